@@ -96,6 +96,15 @@ nlohmann::json servo_json(const ServoResponse& servo) {
           {"speeds", speeds}};
 }
 
+nlohmann::json witnesses_json(const Witnesses& witnesses) {
+  return {{"gyro_share", estimate_json(witnesses.gyro_share)},
+          {"images_share", estimate_json(witnesses.images_share)},
+          {"images_why_not", witnesses.images_why_not},
+          {"outlier", name_of(witnesses.outlier)},
+          {"cause", witnesses.cause},
+          {"remedy", witnesses.remedy}};
+}
+
 }  // namespace
 
 nlohmann::json timing_json(const session::Session& session, const session::Quality& quality) {
@@ -109,6 +118,7 @@ nlohmann::json timing_json(const session::Session& session, const session::Quali
           {"camera_offset", offset_json(session.sync.camera_offset)},
           {"gyro", gyro_json(session.sync.gyro, start)},
           {"servo", servo_json(session.sync.servo)},
+          {"witnesses", witnesses_json(session.sync.witnesses)},
           {"rate_shaft_uncertainty_dps", quality.rate_shaft_uncertainty_dps},
           {"gyro_residual_dps", quality.gyro_residual_dps},
           {"verdict", quality.verdict},

@@ -178,6 +178,19 @@ std::string gyro_text(const Session& session) {
                                               : "not known: there was no rest");
 }
 
+/// What gyro and images show of each commanded deg/s; nothing where no leg could be compared.
+std::string witnesses_text(const Witnesses& witnesses) {
+  if (!witnesses.gyro_share) return "";
+  const auto share = [](const Estimate& estimate) {
+    return fmt::format("{:.3f} +- {:.3f}", estimate.value, estimate.uncertainty);
+  };
+  return timing_line(
+      "of a command",
+      fmt::format("the gyro shows {}, the images {}", share(*witnesses.gyro_share),
+                  witnesses.images_share ? share(*witnesses.images_share)
+                                         : fmt::format("cannot say: {}", witnesses.images_why_not)));
+}
+
 std::string servo_text(const Session& session, const session::Quality& quality) {
   const ServoResponse& servo = session.sync.servo;
   const ServoProfile& profile = session.raw.header.profile.servo;
@@ -252,7 +265,7 @@ std::string timing_text(const std::filesystem::path& path, const Session& sessio
   text += fmt::format(
       "\n{}{}{}",
       timing_line("camera - gyro", offset_text(sync.camera_offset)) + rows_text(sync.camera_offset),
-      gyro_text(session), servo_text(session, quality));
+      gyro_text(session) + witnesses_text(session.sync.witnesses), servo_text(session, quality));
   if (std::isfinite(quality.rate_shaft_uncertainty_dps))
     text += timing_line("shaft", fmt::format("+- {:.2f} deg/s in the median valid frame",
                                              quality.rate_shaft_uncertainty_dps));

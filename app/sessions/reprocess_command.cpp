@@ -54,8 +54,9 @@ std::optional<Moved> moved(const State& before, const State& after) {
   return Moved{reordering_median(by_s), *std::max_element(by_s.begin(), by_s.end())};
 }
 
-/// What a session's profile says now because that of `--rig` said so, each with its date.
-std::vector<std::string> applied(const RigProfile& from, const RigProfile& now) {
+/// What a session's profile says now because that of `--rig` said so: what was measured with its date, and
+/// what was said otherwise before.
+std::vector<std::string> applied(const RigProfile& from, const RigProfile& before, const RigProfile& now) {
   std::vector<std::string> names;
   const auto add = [&](const char* name, const std::string& there, const std::string& here) {
     if (!there.empty() && there == here) names.push_back(fmt::format("{} of {}", name, here));
@@ -66,6 +67,15 @@ std::vector<std::string> applied(const RigProfile& from, const RigProfile& now) 
   add("gyro scale", from.gyro.scale_measured_utc, now.gyro.scale_measured_utc);
   add("gyro bias", from.gyro.bias_measured_utc, now.gyro.bias_measured_utc);
   add("servo scale", from.servo.scale_measured_utc, now.servo.scale_measured_utc);
+  const auto note = [&](const char* name, bool is_new) {
+    if (is_new) names.emplace_back(name);
+  };
+  note("columns and unit of the gyro", before.gyro.text != now.gyro.text);
+  note("settings of the gyro", before.gyro.settings != now.gyro.settings);
+  note("axis or sign of the gyro", before.gyro.axis != now.gyro.axis || before.gyro.sign != now.gyro.sign);
+  note("an assumed gyro scale", now.gyro.scale_measured_utc.empty() && before.gyro.scale != now.gyro.scale);
+  note("mirrored", before.camera.mirrored != now.camera.mirrored);
+  note("field of view", before.camera.field_of_view_deg != now.camera.field_of_view_deg);
   return names;
 }
 
@@ -73,13 +83,19 @@ std::vector<std::string> applied(const RigProfile& from, const RigProfile& now) 
 struct MadeAgain {
   session::Session session;
   std::vector<std::string> left_out;
+  std::vector<std::string> applied;
 };
 
 MadeAgain make_again(const std::filesystem::path& path, const std::vector<Annotation>& annotations,
                      const std::optional<RigProfile>& calibrated) {
   RawRecording raw = session::read_raw(path);
-  if (calibrated) calibration::take_calibrations(*calibrated, raw.header.profile);
-  MadeAgain made{rig::build_session(std::move(raw)), {}};
+  std::vector<std::string> names;
+  if (calibrated) {
+    const RigProfile before = raw.header.profile;
+    calibration::take_calibrations(*calibrated, raw.header.profile);
+    names = applied(*calibrated, before, raw.header.profile);
+  }
+  MadeAgain made{rig::build_session(std::move(raw)), {}, std::move(names)};
   made.session.annotations = annotations;
   session::apply_exclusions(made.session);
   made.left_out = session::replace_session(path, made.session);
@@ -116,7 +132,7 @@ nlohmann::json object_of(const std::filesystem::path& path, const State& before,
 
 std::string words_of(const std::vector<std::string>& calibrations) {
   return fmt::format("  applied  {}\n", calibrations.empty()
-                                            ? "nothing: the profile measured nothing of this rig"
+                                            ? "nothing: the profile says nothing else of this rig"
                                             : printable(fmt::format("{}", fmt::join(calibrations, ", "))));
 }
 
@@ -146,9 +162,8 @@ ExitCode run(const ReprocessOptions& options) {
     if (!options.json) print("{}", words_of(path, before, after));
     if (!options.json && !made.left_out.empty()) print("  left out {}\n", left_out_text(made.left_out));
     if (!calibrated) continue;
-    const auto calibrations = applied(*calibrated, made.session.raw.header.profile);
-    list.back()["calibrations"] = calibrations;
-    if (!options.json) print("{}", words_of(calibrations));
+    list.back()["calibrations"] = made.applied;
+    if (!options.json) print("{}", words_of(made.applied));
   }
   if (options.json) print_json(list);
   return ExitCode::ok;

@@ -35,6 +35,10 @@ MIXES = {
                            "camera.rolling_rows=0.3,camera.pitch_error=0.015,scene.person_dps=20",
 }
 
+# What whoever built the rig or wrote its profile got wrong: each is to be named, and no label silently wrong.
+MISTAKES = ("gyro.unit=0.01745", "gyro.unit=57.3", "gyro.unit=16.4", "gyro.unit=0.125", "gyro.unit=0.25",
+            "gyro.unit=0.5", "gyro.unit=2", "gyro.unit=4", "gyro.unit=8", "gyro.mounted_deg=30", "gyro.mounted_deg=90")
+
 _SERVO_SLOW = r"supply|\bload\b|\bweak|\breach|too slow|top speed"
 _SERVO_LOOP = r"damping|overshoot|\bring|servo's (own )?loop|servo follows"
 _GEAR = r"\bgear|ripple|uneven|backlash|\bplay\b"
@@ -86,6 +90,8 @@ CAUSES = {
     "gyro.scale_change": _SCALE,
     "gyro.vibration_dps": r"vibrat|shak|\bgear|noise",
     "gyro.zero_below_dps": r"zeroes itself",
+    "gyro.unit": r"rad/s|counts|\brange\b|\bunit\b|varies by",
+    "gyro.mounted_deg": r"\baxis\b|round|\bleans\b",
     "camera.rolling_rows": r"\broll|\brows?\b",
     "camera.lost_subpages": _HALVES,
     "camera.repeated_frames": _HALVES,
@@ -98,6 +104,7 @@ CAUSES = {
     "camera.distortion": _IMAGE,
     "camera.warm_up_k": r"warm",
     "camera.dead_pixels": r"pixel",
+    "camera.turned_over": r"mirrored",
     "scene.distance_m": rf"{_IMAGE}|parallax|lever",
     "scene.person_dps": rf"{_IMAGE}|moves? in|moving|person",
     "scene.pet_dps": rf"{_IMAGE}|moves? in|moving|\bpet\b",
@@ -146,6 +153,7 @@ def all_rows(knobs, seeds, honest_seeds, typical_seeds):
     rows = [Row("honest", "honest", honest_seeds), Row("typical", "typical", typical_seeds), Row("hard", "hard", seeds)]
     rows += [Row(name, f"honest,{text}", seeds) for name, text in MIXES.items()]
     rows += knob_rows(knobs, seeds)
+    rows += [Row(setting, f"honest,{setting}", seeds) for setting in MISTAKES]
     return [dataclasses.replace(row, shift=shift) for shift, row in enumerate(rows)]
 
 

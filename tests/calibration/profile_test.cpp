@@ -12,18 +12,48 @@ namespace {
 
 const std::string utc = "2026-07-25T14:35:12Z";
 
-TEST(CalibratedProfile, TakesOnlyWhatWasMeasured) {
+TEST(CalibratedProfile, TakesWhatWasMeasuredAndLeavesPortsAndGeometry) {
   RigProfile from, into;
-  from.gyro.scale = 1.02;
   from.camera.link.baud = 115200;
   from.servo.travel_deg = 180;
   apply(LatencyResult{.camera_latency_s = {0.0213, 0.0004}}, utc, from);
   take_calibrations(from, into);
   EXPECT_EQ(into.camera.link.latency_s, 0.0213);
   EXPECT_EQ(into.camera.link.latency_measured_utc, utc);
-  EXPECT_EQ(into.gyro.scale, 1.0);
   EXPECT_EQ(into.camera.link.baud, 460800U);
   EXPECT_EQ(into.servo.travel_deg, 2160.0);
+}
+
+TEST(CalibratedProfile, TakesHowTheDataAreToBeReadWhereNothingElseWasMeasured) {
+  RigProfile from, into;
+  from.gyro.protocol = into.gyro.protocol = "text";
+  from.gyro.text.scale_dps = 57.29578;
+  from.gyro.sign = -1;
+  from.gyro.scale = 1.02;
+  from.camera.mirrored = !into.camera.mirrored;
+  from.camera.field_of_view_deg = 110.0;
+  RigProfile measured = into;
+  apply(OrientationResult{.gyro_axis = 2, .gyro_sign = 1, .mirrored = into.camera.mirrored}, utc, measured);
+  apply(ScaleResult{.gyro_scale = {1.01, 0.001}, .servo_scale = {}}, utc, measured);
+  take_calibrations(from, into);
+  EXPECT_EQ(into.gyro.text.scale_dps, 57.29578);
+  EXPECT_EQ(into.gyro.sign, -1);
+  EXPECT_EQ(into.gyro.scale, 1.02);
+  EXPECT_EQ(into.camera.mirrored, from.camera.mirrored);
+  EXPECT_EQ(into.camera.field_of_view_deg, 110.0);
+  take_calibrations(from, measured);
+  EXPECT_EQ(measured.gyro.text.scale_dps, 57.29578);
+  EXPECT_EQ(measured.gyro.sign, 1);
+  EXPECT_EQ(measured.gyro.scale, 1.01);
+  EXPECT_NE(measured.camera.mirrored, from.camera.mirrored);
+}
+
+TEST(CalibratedProfile, DoesNotTakeColumnsFromAGyroOfAnotherProtocol) {
+  RigProfile from, into;
+  from.gyro.protocol = "text";
+  from.gyro.text.scale_dps = 57.29578;
+  take_calibrations(from, into);
+  EXPECT_EQ(into.gyro.text.scale_dps, 1.0);
 }
 
 TEST(CalibratedProfile, TakesEverythingThatWasMeasured) {

@@ -151,7 +151,7 @@ def check_types(file):
 
 def check_root(file):
     expected = {"NX_class": "NXroot", "default": "samples", "format": "thermorig-session",
-                "format_version": "2.3.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
+                "format_version": "2.4.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
                 "Conventions": "CF-1.10", "start_time": "2026-07-25T14:35:59.900001Z",
                 "time_reference": "2026-07-25T14:35:59.900001Z"}
     for name, value in expected.items():

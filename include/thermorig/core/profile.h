@@ -67,6 +67,7 @@ struct TextColumns {
   double scale_dps = 1.0;            // degrees per second of one unit
   int time = -1;                     // column of the device's time, -1 for none
   double time_unit_s = 1e-3;         // seconds of one unit of it
+  bool operator==(const TextColumns&) const = default;
 };
 
 struct GyroProfile {

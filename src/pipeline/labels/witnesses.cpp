@@ -242,9 +242,9 @@ Witness outlier_of(const std::optional<Estimate>& gyro, const std::optional<Esti
   if (!gyro_off && !images_off) return Witness::none;
   if (!gyro || !images) return Witness::undecided;
   const bool apart = contradict_by(*gyro, *images, scale * std::hypot(stated.gyro, stated.lens));
-  if (!apart) return gyro_off && images_off ? Witness::command : Witness::none;
-  if (!gyro_off) return Witness::images;
-  return images_off ? Witness::undecided : Witness::gyro;
+  if (!gyro_off) return apart ? Witness::images : Witness::none;
+  if (apart) return images_off ? Witness::undecided : Witness::gyro;
+  return images_off ? Witness::command : Witness::undecided;  // the images agree with either of the two
 }
 
 /// Three digits that count.
@@ -270,7 +270,9 @@ Cause cause_of(Witness outlier, const Witnesses& witnesses, const Axes& axes, do
                ? Cause{"the gyro's readings are in a smaller unit than the profile says",
                        "state the gyro's unit or range in the profile"}
                : Cause{"the gyro is at the end of its range", "set a wider range of the gyro"};
-  return gyro_cause(axes, witnesses.gyro_share->value, profile.servo.scale, tolerance, profile.gyro);
+  Cause cause = gyro_cause(axes, witnesses.gyro_share->value, profile.servo.scale, tolerance, profile.gyro);
+  if (outlier == Witness::undecided) cause.why += "; or the servo does not turn as commanded";
+  return cause;
 }
 
 std::string contradiction(Witness outlier, const Witnesses& witnesses) {

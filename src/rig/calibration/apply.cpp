@@ -128,10 +128,27 @@ void take_gyro(const GyroProfile& from, GyroProfile& into) {
   into.bias_measured_utc = from.bias_measured_utc;
 }
 
+/// How the data are to be read: of two assumptions the later one holds.
+void take_statements(const RigProfile& from, RigProfile& into) {
+  into.camera.field_of_view_deg = from.camera.field_of_view_deg;
+  if (from.gyro.protocol == into.gyro.protocol) {
+    into.gyro.text = from.gyro.text;
+    into.gyro.settings = from.gyro.settings;
+  }
+  if (into.camera.orientation_measured_utc.empty()) {
+    turn_gyro(from.gyro.axis, from.gyro.sign, into.gyro);
+    into.camera.mirrored = from.camera.mirrored;
+  }
+  if (!into.gyro.scale_measured_utc.empty()) return;
+  into.gyro.scale = from.gyro.scale;
+  into.gyro.scale_uncertainty = from.gyro.scale_uncertainty;
+}
+
 }  // namespace
 
 /// Orientation first: bias and scale belong to the axis and sign that they were measured with.
 void take_calibrations(const RigProfile& from, RigProfile& into) {
+  take_statements(from, into);
   if (!from.camera.orientation_measured_utc.empty()) {
     turn_gyro(from.gyro.axis, from.gyro.sign, into.gyro);
     into.camera.mirrored = from.camera.mirrored;

@@ -73,6 +73,19 @@ CheckedConstant judged(CheckedConstant constant, const Rule& rule) {
   return constant;
 }
 
+/// Before any figure: whether command, gyro and images speak of one motion at all.
+CheckedConstant witnesses_of(const session::Session& session) {
+  const Witnesses& witnesses = session.sync.witnesses;
+  CheckedConstant constant{.name = "command, gyro, images"};
+  if (!witnesses.gyro_share) return not_checked(std::move(constant), "no leg could be compared", "");
+  constant.verdict = ConstantVerdict::holds;
+  if (witnesses.outlier == Witness::none) return constant;
+  constant.verdict = ConstantVerdict::contradicts;
+  constant.why = witnesses.cause;
+  constant.advice = witnesses.remedy;
+  return constant;
+}
+
 CheckedConstant gyro_scale_of(const session::Session& session) {
   const GyroProfile& profile = session.raw.header.profile.gyro;
   const GyroErrors& errors = session.sync.gyro;
@@ -303,8 +316,9 @@ std::string_view name_of(ConstantVerdict verdict) {
 }
 
 std::vector<CheckedConstant> check_constants(const session::Session& session) {
-  Constants constants{gyro_scale_of(session),     gyro_bias_of(session),   gyro_filter_of(session),
-                      camera_latency_of(session), camera_rows_of(session), servo_scale_of(session)};
+  Constants constants{witnesses_of(session),   gyro_scale_of(session),     gyro_bias_of(session),
+                      gyro_filter_of(session), camera_latency_of(session), camera_rows_of(session),
+                      servo_scale_of(session)};
   add_servo_speeds(session, constants);
   for (const Device device : all_devices) constants.push_back(clock_of(session, device));
   return constants;

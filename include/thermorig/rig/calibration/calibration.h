@@ -94,8 +94,10 @@ void apply(const OrientationResult& result, const std::string& utc, RigProfile& 
 /// What it does not tell, or not to be another than that of a plain lens, is taken as a plain lens has it.
 void apply(const LensResult& result, const std::string& utc, RigProfile& profile);
 
-/// Calibrations of `from` into `into`, whose ports, rates and geometry stay: for a session that was recorded
-/// before its rig was calibrated. Only what was measured is taken (what has a date).
+/// Calibrations of `from` into `into`, whose ports, rates and servo geometry stay: for a session that was
+/// recorded before its rig was calibrated or rightly described. What was measured (what has a date) is taken,
+/// and how the data are to be read: columns, unit and settings of a gyro of the same protocol, the field of
+/// view, and axis, sign, mirror and scale where neither of the two has measured them.
 void take_calibrations(const RigProfile& from, RigProfile& into);
 
 }  // namespace thermorig::calibration
