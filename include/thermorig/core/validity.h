@@ -25,8 +25,9 @@ enum class Reason : std::uint8_t {
   reversal = 10,         // the shaft turns back within the exposure
   outside_leg = 11,      // rest or transit: not part of a leg of the plan
   leg_change = 12,       // V4: the two halves lie in different legs
-  gyro_unsteady = 13,    // V2: the gyro's spread after a running mean over one pulse period is too wide
-  gyro_disagrees = 14,   // V3: gyro and servo model differ by more than 3 sigma
+  gyro_unsteady = 13,  // V2: the gyro's spread after a running mean over one pulse period is wide: a warning,
+                       // the labels' uncertainties hold what their means are off
+  gyro_disagrees = 14,       // V3: gyro and servo model differ by more than 3 sigma
   telemetry_disagrees = 15,  // V8: a telemetry deadline was missed or the pulse does not follow the command
   out_of_range = 16,         // a pixel outside -60..400 degC or not a number
 };
@@ -44,7 +45,8 @@ inline constexpr std::array<std::string_view, reason_count> reason_names{
     "leg_change", "gyro_unsteady",    "gyro_disagrees", "telemetry_disagrees", "out_of_range"};
 
 /// Reasons that do not clear `valid`.
-inline constexpr std::uint32_t warning_bits = bit(Reason::warm_up) | bit(Reason::camera_gap);
+inline constexpr std::uint32_t warning_bits =
+    bit(Reason::warm_up) | bit(Reason::camera_gap) | bit(Reason::gyro_unsteady);
 
 /// A run does not go on from the frame before to one with these reasons, valid or not.
 constexpr bool breaks_run(std::uint32_t reasons) {

@@ -10,6 +10,7 @@
 #include "pulse_period.h"
 #include "shaft_model.h"
 #include "thermorig/core/estimate.h"
+#include "thermorig/pipeline/labels/intervals.h"
 #include "thermorig/pipeline/labels/servo_response.h"
 
 namespace thermorig::labels {
@@ -238,7 +239,25 @@ void Labeller::label_gyro(LabelledSample& sample) {
   sample.gyro_spread_dps = static_cast<float>(mean.count > 0 ? mean.spread_dps : unknown);
   if (sample.leg != 0) motion_noise_.add(mean);
   sample.reason_bits |= gyro_reasons(sample, mean);
+  if ((sample.reason_bits & bit(Reason::gyro_unsteady)) != 0) widen(sample, mean);
   if (!config_.gyro) learn_bias(sample, mean);
+}
+
+/// A shaft that sticks and slips has a mean speed all the same: the gyro's. What labels are off it is part of
+/// their uncertainty.
+void Labeller::widen(LabelledSample& sample, const GyroMean& gyro) const {
+  const GyroErrors& errors = bias_.errors();
+  const double bias_dps = bias_dps_at(errors, sample.time);
+  const double shown_dps = (gyro.rate_dps - bias_dps) / errors.scale.value;
+  const double sigma_dps = errors.bias_dps ? errors.bias_dps->uncertainty : unknown_bias_dps;
+  const auto widened = [&](float& uncertainty_dps, float label_dps) {
+    const double off_dps = static_cast<double>(label_dps) - shown_dps;
+    uncertainty_dps = static_cast<float>(std::hypot(double{uncertainty_dps}, off_dps, sigma_dps));
+  };
+  if (!std::isfinite(shown_dps)) return;
+  widened(sample.rate_shaft_uncertainty_dps, sample.rate_shaft_dps);
+  widened(sample.rate_commanded_uncertainty_dps, sample.rate_commanded_dps);
+  widened(sample.rate_corrected_uncertainty_dps, sample.rate_corrected_dps);
 }
 
 std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMean& gyro) const {
@@ -249,12 +268,15 @@ std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMea
                    gyro_.lacks_sample(sample.exposure_begin, sample.exposure_end, 1.0 / config_.gyro_rate_hz);
   const double noise_dps =
       gyro_noise_dps(bias_.errors(), response_, sample.rate_commanded_dps, motion_noise_.noise_dps());
-  return bit_if(Reason::gyro_gap, gap) |
-         bit_if(Reason::gyro_unsteady, is_unsteady(gyro, noise_dps, tolerance_dps(sample))) |
-         bit_if(Reason::gyro_disagrees, gyro_disagrees(sample, gyro, noise_dps));
+  const bool unsteady = is_unsteady(gyro, noise_dps, tolerance_dps(sample));
+  return bit_if(Reason::gyro_gap, gap) | bit_if(Reason::gyro_unsteady, unsteady) |
+         bit_if(Reason::gyro_disagrees,
+                gyro_disagrees(sample, gyro, noise_dps, unsteady ? gyro.spread_dps : 0.0));
 }
 
-bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps) const {
+/// `spread_dps`: by which the shaft's speed changes within the exposure, beyond any model.
+bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps,
+                              double spread_dps) const {
   if (contradicts_command(response_, sample.rate_commanded_dps)) return true;
   if (std::isnan(sample.rate_shaft_dps)) return false;
   // Whole samples stand for an exposure that begins and ends anywhere between two of them.
@@ -263,8 +285,8 @@ bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro
   const double time_dps = time_error_dps(sample, time_s);
   const auto shaft_dps = static_cast<double>(sample.rate_shaft_dps);
   const double bias_dps = bias_dps_at(bias_.errors(), sample.time);
-  const double deviations =
-      gyro_z_score(bias_.errors(), response_, gyro, noise_dps, bias_dps, shaft_dps, time_dps);
+  const double deviations = gyro_z_score(bias_.errors(), response_, gyro, noise_dps, bias_dps, shaft_dps,
+                                         std::hypot(time_dps, spread_dps));
   return std::abs(deviations) > disagreement;
 }
 

@@ -15,8 +15,6 @@ namespace {
 constexpr double lost_share_bad = 0.05;
 constexpr double lost_share_usable = 0.005;
 constexpr double valid_share_usable = 0.5;
-// Speeds that a servo cannot turn steadily, the slowest mostly, say nothing against the frames of the others.
-constexpr double empty_speeds_usable = 0.1;
 // Two milliseconds are 0.4 degrees at 200 deg/s, an eighth of a pixel; ten are what plain arrival times do.
 constexpr double clock_uncertainty_usable_s = 0.002;
 constexpr double clock_uncertainty_bad_s = 0.010;
@@ -81,9 +79,7 @@ void judge_samples(const Quality& quality, Verdict& verdict) {
   const auto empty = std::count_if(quality.speeds.begin(), quality.speeds.end(),
                                    [](const auto& speed) { return speed.valid == 0; });
   const std::size_t speeds = quality.speeds.size();
-  if (empty > 0)
-    verdict.usable_or_remark(static_cast<double>(empty) > empty_speeds_usable * static_cast<double>(speeds),
-                             fmt::format("{} of {} speeds have no valid frame", empty, speeds));
+  if (empty > 0) verdict.usable(fmt::format("{} of {} speeds have no valid frame", empty, speeds));
 }
 
 void judge_events(const Session& session, Verdict& verdict) {

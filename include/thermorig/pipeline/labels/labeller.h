@@ -75,10 +75,12 @@ namespace thermorig::labels {
 ///                        one that would lie in E never came (lacks_sample(), where a first pass found gaps)
 ///   gyro_unsteady        gyro_spread exceeds the tolerance beyond what noise explains, that of gears
 ///   included
-///                        squared; not judged where a sample is saturated
+///                        squared: a warning, and how far each label is from the corrected gyro's mean is
+///                        part of its uncertainty; not judged where a sample is saturated
 ///   gyro_disagrees       |mean gyro, corrected - rate_shaft as the gyro sees it| exceeds 3 standard
-///                        deviations (see label_terms.h); not judged where a sample is saturated; or the
-///                        shaft was seen not to reach the commanded speed (ServoResponse::AtSpeed)
+///                        deviations (see label_terms.h), gyro_spread of an unsteady one among them; not
+///                        judged where a sample is saturated; or the shaft was seen not to reach the
+///                        commanded speed (ServoResponse::AtSpeed)
 /// A frame is valid if it has no reason outside `warning_bits`. A run is unbroken by invalid frames and lies
 /// in one leg; a frame or a half lost on the way ends it.
 class Labeller {
@@ -128,7 +130,9 @@ class Labeller {
   std::uint32_t command_reasons(const LabelledSample& sample) const;
   std::uint32_t model_reasons(const LabelledSample& sample, const ShaftRates& shaft) const;
   std::uint32_t gyro_reasons(const LabelledSample& sample, const GyroMean& gyro) const;
-  bool gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps) const;
+  bool gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps,
+                      double spread_dps) const;
+  void widen(LabelledSample& sample, const GyroMean& gyro) const;
   void learn_bias(const LabelledSample& sample, const GyroMean& gyro);
   void number_run(LabelledSample& sample);
 
