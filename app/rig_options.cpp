@@ -16,13 +16,15 @@
 namespace thermorig::app {
 
 namespace {
-std::uint64_t seed_of(const std::string& text) {
+std::optional<std::uint64_t> seed_of(const std::string& text) {
   std::uint64_t seed = 0;
   const char* end = text.data() + text.size();
   const auto [at, error] = std::from_chars(text.data(), end, seed);
-  if (error == std::errc() && at == end) return seed;
-  throw Error(ExitCode::bad_usage, "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1", "",
-              "--simulated=4");
+  return error == std::errc() && at == end ? std::optional(seed) : std::nullopt;
+}
+
+std::string problem_of_seed(const std::string& text) {
+  return seed_of(text) ? "" : "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1";
 }
 }  // namespace
 
@@ -93,9 +95,10 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
 }
 
 void add_seed(CLI::App& command, std::function<void(std::uint64_t)> take, const std::string& meaning) {
-  command.add_flag("--simulated{1}", meaning)->each([take = std::move(take)](const std::string& text) {
-    take(seed_of(text));
-  });
+  command.add_flag("--simulated{1}", meaning)
+      ->check(CLI::Validator(problem_of_seed, ""))
+      ->each([take = std::move(take)](const std::string& text) { take(seed_of(text).value()); })
+      ->type_name("SEED");
 }
 
 CLI::Option& add_environment(CLI::App& command, std::string& environment) {
