@@ -29,7 +29,7 @@ bool takes_value_if_joined(const CLI::Option& option) {
 
 /// Whether `word` is a value that `option` may be given behind "=".
 bool is_value_of(CLI::Option& option, std::string word) {
-  return takes_value_if_joined(option) && (*option.get_validator(""))(word).empty();
+  return takes_value_if_joined(option) && !word.starts_with('-') && (*option.get_validator(""))(word).empty();
 }
 
 /// ": half, full" of "{half,full}" where `text` does not name them.

@@ -26,6 +26,15 @@ std::optional<std::uint64_t> seed_of(const std::string& text) {
 std::string problem_of_seed(const std::string& text) {
   return seed_of(text) ? "" : "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1";
 }
+/// CLI::Range takes NaN for a number of any range.
+CLI::Validator within(double least, double most) {
+  return {[=](const std::string& text) {
+            double value = 0.0;
+            const bool is_within = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            return is_within ? "" : fmt::format("{} is not a number from {} to {}", text, least, most);
+          },
+          ""};
+}
 }  // namespace
 
 void add_json(CLI::App& command, bool& json) {
@@ -45,7 +54,7 @@ void add_replug(CLI::App& command, double& patience_s) {
   command
       .add_option("--replug-patience", patience_s,
                   "A device that goes during the run is waited for so long (0: the end at once)")
-      ->check(CLI::Range(0.0, 86400.0))
+      ->check(within(0.0, 86400.0))
       ->type_name("SECONDS")
       ->capture_default_str();
 }

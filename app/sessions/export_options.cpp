@@ -55,8 +55,9 @@ void add_session_forms(CLI::App& command, ExportOptions& options) {
       ->check(CLI::Validator(problem_of_trajectory, ""))
       ->type_name("NAME");
   command
-      .add_flag("--mcap{none}", options.mcap,
-                "Session: images, gyro, servo, labels and events for Foxglove; none (default) or zstd: compressed")
+      .add_flag(
+          "--mcap{none}", options.mcap,
+          "Session: images, gyro, servo, labels and events for Foxglove; none (default) or zstd: compressed")
       ->check(CLI::IsMember({"none", "zstd"}))
       ->type_name("HOW");
 }
@@ -66,7 +67,9 @@ void add_session_forms(CLI::App& command, ExportOptions& options) {
 void add_export(CLI::App& root, ExportOptions& options) {
   CLI::App& command = *root.add_subcommand(
       "export", "Export a session, a model or the odometer for other programs and small boards");
-  command.add_option("FILE", options.file, "Session (.h5), model file (.onnx) or profile (.toml)")
+  command
+      .add_option("FILE", options.file,
+                  "Session (.h5) or folder of sessions, model file (.onnx) or profile (.toml)")
       ->required();
   add_session_forms(command, options);
   add_model_forms(command, options);
