@@ -106,6 +106,15 @@ TEST_F(CommandLine, LeavesTheFileThatFollowsAnOptionToTheCommand) {
     EXPECT_THAT(run(words).err, HasSubstr("The following argument was not expected: left")) << words;
 }
 
+TEST_F(CommandLine, TakesNoOptionForTheValueThatMayBeLeftOut) {
+  EXPECT_THAT(run("export --tum -o out left").err, HasSubstr("left: there is no such file"));
+}
+
+TEST_F(CommandLine, TheDoctorSaysNothingOfARigThatItDidNotLookAt) {
+  const Outcome outcome = run("doctor");
+  EXPECT_THAT(outcome.out, HasSubstr("verdict  no rig was checked; this computer is fit to record"));
+}
+
 TEST_F(CommandLine, RefusesColumnsThatAreNotThree) {
   const Outcome outcome = run("decode --device gyro --columns 7,8 dump.txt");
   EXPECT_EQ(outcome.code, 2);

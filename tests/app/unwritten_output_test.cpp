@@ -116,7 +116,7 @@ TEST_F(Unwritten, APipeThatEndsIsNoErrorOfAnyCommandAndItsExitCodeIs7) {
         std::string("recover recordings"), std::string("doctor"), "reprocess " + session,
         "annotate --note words " + session, std::string("decode --device gyro --gyro-protocol text dump.txt"),
         "export --csv -o - " + session, "export --npz -o made " + session,
-        "live --speed max --replay " + session, std::string("record -n --simulated -e garden"),
+        "live --no-page --speed max --replay " + session, std::string("record -n --simulated -e garden"),
         std::string("help record")})
     for (const char* form : {"", " --json"}) {
       if (command.starts_with("export --csv -o -") && *form != '\0') continue;  // takes nothing else
