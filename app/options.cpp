@@ -376,6 +376,14 @@ void take_help_as_option(CLI::App& root, std::vector<std::string>& words) {
   if (words.empty() || command_in(root, words) != nullptr) words.push_back("--help");
 }
 
+/// "--plan is given 2 times" of CLI11's "--plan: At Most 1 required but received 2".
+std::string mismatch_text(const std::string& what) {
+  const std::string middle = ": At Most 1 required but received ";
+  const std::size_t at = what.find(middle);
+  if (at == std::string::npos) return what;
+  return what.substr(0, at) + " is given " + what.substr(at + middle.size()) + " times";
+}
+
 /// An empty word mostly comes of a shell's variable that is not set, and would be taken for one that was not
 /// said. No option means anything by it.
 void refuse_empty_words(int argc, const char* const* argv) {
@@ -411,7 +419,7 @@ CommandLine parse(int argc, const char* const* argv) {
   } catch (const CLI::ConversionError& error) {
     throw Error(ExitCode::bad_usage, conversion_text(error.what()), "", what_to_read(root));
   } catch (const CLI::ParseError& error) {
-    throw Error(ExitCode::bad_usage, error.what(), "", what_to_read(root));
+    throw Error(ExitCode::bad_usage, mismatch_text(error.what()), "", what_to_read(root));
   }
   if (!words.version && root.get_subcommands().empty())
     throw Error(ExitCode::bad_usage, "a command is missing", "", "thermorig --help");

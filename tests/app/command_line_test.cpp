@@ -213,6 +213,11 @@ TEST_F(CommandLine, NamesAPathThatTheSystemRefuses) {
   EXPECT_THAT(outcome.err, HasSubstr("thermorig: loop.h5: Too many levels of symbolic links\n  try: "));
 }
 
+TEST_F(CommandLine, SaysThatAWordIsGivenTwice) {
+  EXPECT_THAT(run("record -e garden -e kitchen --simulated").err,
+              HasSubstr("--environment is given 2 times"));
+}
+
 TEST_F(CommandLine, TakesASeedThatIsNotJoinedToItsWord) {
   const std::string record = "record --environment garden --json -n --simulated";
   EXPECT_EQ(run(record + " 3").out, run(record + "=3").out);
