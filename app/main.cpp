@@ -70,9 +70,10 @@ int main(int argc, char** argv) {
     return app::report(error, json);
   } catch (const std::filesystem::filesystem_error& error) {
     const bool forbidden = error.code() == std::errc::permission_denied;
-    return app::report(Error(forbidden ? ExitCode::no_permission : ExitCode::storage, error.code().message(),
-                             error.path1().string(), "see what is there: ls -l " + error.path1().string()),
-                       json);
+    return app::report(
+        Error(forbidden ? ExitCode::no_permission : ExitCode::storage, error.code().message(),
+              error.path1().string(), "see what is there: ls -l " + shell_word(error.path1().string())),
+        json);
   } catch (const std::bad_alloc&) {
     return app::report(Error(ExitCode::failed, "there is not enough memory", "", "close other programs"),
                        json);

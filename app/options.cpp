@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "help_formatter.h"
 #include "learning_options.h"
 #include "live/live_options.h"
 #include "print/help_text.h"
@@ -231,7 +232,6 @@ void add_text_gyro(CLI::App& command, DecodeOptions& decode) {
       .add_option("--columns", decode.columns,
                   "Text gyro: columns of x,y,z from 0, -1 for none (default 0,1,2)")
       ->delimiter(',')
-      ->expected(3)
       ->type_name("X,Y,Z");
   command.add_option("--prefix", decode.prefix, "Text gyro: lines start with it")->type_name("TEXT");
   command.add_option("--scale", decode.scale_dps, "Text gyro: deg/s of one unit")->capture_default_str();
@@ -284,6 +284,9 @@ Command chosen(const CLI::App& root, Words& words) {
   }
   if (name == "decode") {
     words.decode.device = device_of(words.decode_device);
+    if (words.decode.columns.size() != 3)
+      throw Error(ExitCode::bad_usage, "--columns takes three numbers: those of x, y and z", "",
+                  "--columns 0,1,2; -1 for an axis that is not sent");
     return words.decode;
   }
   if (name == "record") return words.record;
@@ -308,6 +311,7 @@ void describe(CLI::App& root, Words& words) {
       "thermorig: a thermal camera, a gyro and a servo on three serial ports in, labelled HDF5 sessions "
       "out.\n"
       "Everything works without hardware: --simulated stands for a whole rig.");
+  root.formatter(std::make_shared<HelpFormatter>());
   root.require_subcommand(0, 1);
   root.add_flag("--version", words.version, "Print version, commit, compiler and libraries");
   add_json(root, words.version_json);
@@ -328,20 +332,14 @@ void describe(CLI::App& root, Words& words) {
   add_train(root, words.train);
   add_evaluate(root, words.evaluate);
   add_export(root, words.export_);
+  take_one_word_each(root);
+  // A shell writes out *.h5, and no file of another kind follows.
+  root.get_subcommand("calibrate")->get_option("--session")->allow_extra_args();
   root.footer(
       "First steps:\n"
       "  thermorig record --simulated=4 --environment laboratory --plan quick\n"
       "  thermorig ports\n"
       "Exit codes and JSON keys: docs/commands.md");
-}
-
-/// `--simulated 3` leaves the 3 over: the seed belongs to the word.
-bool has_loose_seed(const CLI::App& root) {
-  const std::vector<std::string> left = root.remaining(true);
-  const auto commands = root.get_subcommands();
-  return !left.empty() && left.front().find_first_not_of("0123456789") == std::string::npos &&
-         !commands.empty() && commands.front()->get_option_no_throw("--simulated") != nullptr &&
-         commands.front()->count("--simulated") > 0;
 }
 
 /// What may stand after the command: its options, and commands of its own.
@@ -355,7 +353,6 @@ std::vector<std::string> words_of(const CLI::App& command) {
 
 std::string what_to_read(const CLI::App& root) {
   const std::vector<std::string> left = root.remaining(true);
-  if (has_loose_seed(root)) return "--simulated=" + left.front();
   const CLI::App* command = &root;
   std::string help = "thermorig ";
   while (!command->get_subcommands().empty()) {
@@ -370,6 +367,21 @@ std::string what_to_read(const CLI::App& root) {
 std::string conversion_text(const std::string& what) {
   const std::string begin = "Could not convert: ";
   return what.starts_with(begin) ? what.substr(begin.size()) + " is no number that it takes" : what;
+}
+
+/// `thermorig help record` is `thermorig record --help`; of a command that there is not, the name is wrong.
+void take_help_as_option(CLI::App& root, std::vector<std::string>& words) {
+  if (words.empty() || words.front() != "help") return;
+  words.erase(words.begin());
+  if (words.empty() || command_in(root, words) != nullptr) words.push_back("--help");
+}
+
+/// "--plan is given 2 times" of CLI11's "--plan: At Most 1 required but received 2".
+std::string mismatch_text(const std::string& what) {
+  const std::string middle = ": At Most 1 required but received ";
+  const std::size_t at = what.find(middle);
+  if (at == std::string::npos) return what;
+  return what.substr(0, at) + " is given " + what.substr(at + middle.size()) + " times";
 }
 
 /// An empty word mostly comes of a shell's variable that is not set, and would be taken for one that was not
@@ -396,14 +408,18 @@ CommandLine parse(int argc, const char* const* argv) {
   Words words;
   CLI::App root("", "thermorig");
   describe(root, words);
+  std::vector<std::string> said(argv + 1, argv + argc);
+  take_help_as_option(root, said);
+  join_values(root, said);
+  std::reverse(said.begin(), said.end());  // as CLI11 takes them
   try {
-    root.parse(argc, argv);
+    root.parse(std::move(said));
   } catch (const CLI::CallForHelp&) {
     return {std::nullopt, help_text(root.help(), terminal_width())};
   } catch (const CLI::ConversionError& error) {
     throw Error(ExitCode::bad_usage, conversion_text(error.what()), "", what_to_read(root));
   } catch (const CLI::ParseError& error) {
-    throw Error(ExitCode::bad_usage, error.what(), "", what_to_read(root));
+    throw Error(ExitCode::bad_usage, mismatch_text(error.what()), "", what_to_read(root));
   }
   if (!words.version && root.get_subcommands().empty())
     throw Error(ExitCode::bad_usage, "a command is missing", "", "thermorig --help");

@@ -16,13 +16,24 @@
 namespace thermorig::app {
 
 namespace {
-std::uint64_t seed_of(const std::string& text) {
+std::optional<std::uint64_t> seed_of(const std::string& text) {
   std::uint64_t seed = 0;
   const char* end = text.data() + text.size();
   const auto [at, error] = std::from_chars(text.data(), end, seed);
-  if (error == std::errc() && at == end) return seed;
-  throw Error(ExitCode::bad_usage, "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1", "",
-              "--simulated=4");
+  return error == std::errc() && at == end ? std::optional(seed) : std::nullopt;
+}
+
+std::string problem_of_seed(const std::string& text) {
+  return seed_of(text) ? "" : "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1";
+}
+/// CLI::Range takes NaN for a number of any range.
+CLI::Validator within(double least, double most) {
+  return {[=](const std::string& text) {
+            double value = 0.0;
+            const bool is_within = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            return is_within ? "" : fmt::format("{} is not a number from {} to {}", text, least, most);
+          },
+          ""};
 }
 }  // namespace
 
@@ -43,7 +54,7 @@ void add_replug(CLI::App& command, double& patience_s) {
   command
       .add_option("--replug-patience", patience_s,
                   "A device that goes during the run is waited for so long (0: the end at once)")
-      ->check(CLI::Range(0.0, 86400.0))
+      ->check(within(0.0, 86400.0))
       ->type_name("SECONDS")
       ->capture_default_str();
 }
@@ -93,9 +104,10 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
 }
 
 void add_seed(CLI::App& command, std::function<void(std::uint64_t)> take, const std::string& meaning) {
-  command.add_flag("--simulated{1}", meaning)->each([take = std::move(take)](const std::string& text) {
-    take(seed_of(text));
-  });
+  command.add_flag("--simulated{1}", meaning)
+      ->check(CLI::Validator(problem_of_seed, ""))
+      ->each([take = std::move(take)](const std::string& text) { take(seed_of(text).value()); })
+      ->type_name("SEED");
 }
 
 CLI::Option& add_environment(CLI::App& command, std::string& environment) {

@@ -170,7 +170,7 @@ ExitCode tell_interrupted(const fs::path& folder, std::size_t done, std::size_t 
     print(
         "stopped: {} of {} jobs are done. The same command goes on; thermorig evaluate --draw {} draws "
         "what there is.\n",
-        done, all, printable(folder.string()));
+        done, all, printable(shell_word(folder.string())));
   return ExitCode::interrupted;
 }
 
@@ -180,7 +180,7 @@ ExitCode conclude_part(const EvaluateOptions& options, std::size_t done) {
     print_json({{"event", "summary"}, {"exit_code", 0}, {"results", done}, {"jobs", done}});
   else
     print("{} of {} jobs are done. When all parts are: thermorig evaluate --draw {}\n", done, done,
-          printable(options.output.string()));
+          printable(shell_word(options.output.string())));
   return ExitCode::ok;
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "print/output.h"
+#include "print/terminal_width.h"
 
 namespace thermorig::app {
 
@@ -47,7 +48,7 @@ void StudyProgress::started(const study::Progress& progress) {
 
 void StudyProgress::epoch_done(const study::Progress& progress) {
   if (!line_) return;
-  print("\r\x1b[K{}; {}", standing_text(progress), printable(progress.last));
+  write_to(stdout, drawn_over(standing_text(progress) + "; " + printable(progress.last)));
   flush_output();
 }
 
@@ -83,7 +84,7 @@ void StudyProgress::held(const study::Job& job, const files::ClaimSight& claim) 
 }
 
 void StudyProgress::end() {
-  if (line_) print("\r\x1b[K");
+  if (line_) write_to(stdout, drawn_over(""));
 }
 
 }  // namespace thermorig::app

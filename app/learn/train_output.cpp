@@ -8,6 +8,7 @@
 
 #include "print/number_json.h"
 #include "print/output.h"
+#include "print/terminal_width.h"
 #include "session_data.h"
 #include "train_text.h"
 
@@ -46,18 +47,15 @@ class PlainTrainOutput : public TrainOutput {
 class TerminalTrainOutput final : public PlainTrainOutput {
  public:
   using PlainTrainOutput::PlainTrainOutput;
-  ~TerminalTrainOutput() override { print(clear_line); }
+  ~TerminalTrainOutput() override { print(drawn_over("")); }
   TerminalTrainOutput(const TerminalTrainOutput&) = delete;
   TerminalTrainOutput& operator=(const TerminalTrainOutput&) = delete;
 
-  void step(const TrainStanding& standing) override { print(clear_line + standing_text(standing, config())); }
+  void step(const TrainStanding& standing) override { print(drawn_over(standing_text(standing, config()))); }
   void epoch(const training::EpochReport& report, const TrainStanding&) override {
-    print(clear_line + epoch_text(report, config()) + "\n");
+    print(drawn_over("") + epoch_text(report, config()) + "\n");
   }
-  void end(const TrainEnd& end) override { print(clear_line + end_text(end)); }
-
- private:
-  inline static const std::string clear_line = "\r\x1b[K";
+  void end(const TrainEnd& end) override { print(drawn_over("") + end_text(end)); }
 };
 
 nlohmann::json json_of(const WindowCounts::Row& row) {

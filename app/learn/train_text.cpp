@@ -90,6 +90,24 @@ std::string held_out_text(const training::EpochReport& report, const TrainingCon
                             mse_text(training::held_out_score(report, config)));
 }
 
+/// What this training has not done yet.
+std::string against_collapse(const TrainingConfig& config) {
+  if (config.loss.auxiliary_thermal <= 0) return "; try: --preset best, or --auxiliary-thermal 1";
+  return fmt::format("; try: more acquisitions, or --auxiliary-thermal {:g}",
+                     2.0 * config.loss.auxiliary_thermal);
+}
+
+/// Of a network that is worse than the gyro, or the same as far as one can tell.
+std::string gyro_text(const Fit& fit) {
+  const std::string gyro = mse_text(fit.gyro_mse), network = mse_text(fit.network_mse);
+  if (gyro == network)
+    return fmt::format("this network is as good as the gyro alone, MSE {}: try: more acquisitions", gyro);
+  return fmt::format(
+      "the gyro alone is better than this network: MSE {} against {}; try: more acquisitions, or use the "
+      "gyro",
+      gyro, network);
+}
+
 /// On which windows the network is judged: those that it did not train on, if there are any.
 const Fit& judging(const training::Fits& fits) {
   return fits.held_out ? *fits.held_out : fits.training;
@@ -153,12 +171,8 @@ std::vector<std::string> warnings_of(const TrainEnd& end) {
   if (end.fits == nullptr) return warnings;
   const Fit& fit = judging(*end.fits);
   if (end.config.shape.fusion && training::gate_collapsed(fit.gain_mean))
-    warnings.push_back(collapsed_text(fit.gain_mean) + "; try: --preset best, or --auxiliary-thermal 1");
-  if (fit.gyro_mse < fit.network_mse)
-    warnings.push_back(
-        fmt::format("the gyro alone is better than this network: MSE {} against {}; try: more "
-                    "acquisitions, or use the gyro",
-                    mse_text(fit.gyro_mse), mse_text(fit.network_mse)));
+    warnings.push_back(collapsed_text(fit.gain_mean) + against_collapse(end.config));
+  if (fit.gyro_mse < fit.network_mse) warnings.push_back(gyro_text(fit));
   return warnings;
 }
 
@@ -176,7 +190,7 @@ std::string end_text(const TrainEnd& end) {
   if (end.model.empty()) return text + "no epoch was finished, so no model was written\n";
   return text + fmt::format("model {}, epoch {} of {}, after {}\n\nnext  thermorig evaluate {} SESSIONS\n",
                             printable(end.model), end.result.model.provenance.epoch_kept, end.config.epochs,
-                            duration_text(end.seconds), printable(end.model));
+                            duration_text(end.seconds), printable(shell_word(end.model)));
 }
 
 }  // namespace thermorig::app

@@ -7,6 +7,7 @@
 
 #include "print/map_text.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/io/files/writable.h"
 
 namespace thermorig::app {
@@ -54,7 +55,7 @@ void require_same_kind(const map_file::StoredMap& stored, bool simulated, const 
 std::string how_to_make_again(const fs::path& map, const fs::path& session) {
   if (session.empty()) return "this run's map is lost: with --record a session is kept that makes it again";
   return fmt::format("then thermorig live --replay {} --speed max --map {} makes the map again",
-                     session.string(), map.string());
+                     shell_word(session.string()), shell_word(map.string()));
 }
 
 }  // namespace

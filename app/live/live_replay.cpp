@@ -7,13 +7,13 @@
 #include <memory>
 #include <thread>
 
-#include "existing_file.h"
 #include "interrupts.h"
 #include "live_model.h"
 #include "live_page.h"
 #include "live_run.h"
 #include "live_screens.h"
 #include "replay_progress.h"
+#include "sessions/session_files.h"
 #include "thermorig/io/port.h"
 #include "thermorig/pipeline/causal_replay.h"
 #include "thermorig/storage/session/session.h"
@@ -139,8 +139,8 @@ LiveFacts facts_of(const RawRecording& raw) {
 }  // namespace
 
 ExitCode replay_live(const LiveOptions& options) {
-  require_existing(*options.replay);
-  const RawRecording raw = session::read_raw(*options.replay);
+  const std::filesystem::path file = one_session_at(*options.replay);
+  const RawRecording raw = session::read_raw(file);
   const ChosenModel model = read_live_model(options.model, options.precision);
   watch_interrupts();
   const std::unique_ptr<LivePage> page =
@@ -161,7 +161,7 @@ ExitCode replay_live(const LiveOptions& options) {
   Replayer replayer(options, raw, run, page.get(), screens, same_model);
   const bool finished = replayer.play();
   const ExitCode code = finished ? ExitCode::ok : ExitCode::interrupted;
-  run.write_map(*options.replay);
+  run.write_map(file);
   run.ended({static_cast<int>(code), finished ? "" : replayer.ending(), "", ""});
   screens.finish(code);
   return code;

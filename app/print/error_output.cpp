@@ -13,6 +13,10 @@ namespace thermorig::app {
 
 int report(const Error& error, bool json) {
   flush_output();
+  if (error.what_happened().empty()) {  // the reader of a pipe has enough
+    if (!error.advice().empty()) print(stderr, "{}\n", printable(error.advice()));
+    return static_cast<int>(error.code());
+  }
   const bool colours = escapes_allowed(stderr);
   const std::string where = error.where().empty() ? "" : error.where() + ": ";
   print(stderr, "{}thermorig:{} {}\n", colours ? "\x1b[31m" : "", colours ? "\x1b[0m" : "",

@@ -2,21 +2,21 @@
 #include "print/help_text.h"
 
 #include <algorithm>
-#include <array>
 
 namespace thermorig::app {
 
 namespace {
 
 constexpr std::size_t least_width = 60;
-constexpr std::size_t meaning_column = 30;  // of CLI11: what an option does begins there
+constexpr std::size_t name_width = 28;  // of CLI11: what an option does begins behind it
 
 /// Where what an option does begins in a line; 0 of a line of another kind.
 std::size_t meaning_at(const std::string& line) {
-  const bool is_one = line.size() > meaning_column && line.starts_with("  ") &&
-                      line[meaning_column - 1] == ' ' && line[meaning_column] != ' ' &&
+  const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
+  const std::size_t at = begin < name_width ? begin + name_width : begin;
+  const bool is_one = begin > 0 && at < line.size() && line[at - 1] == ' ' && line[at] != ' ' &&
                       !line.starts_with("  thermorig");
-  return is_one ? meaning_column : 0;
+  return is_one ? at : 0;
 }
 
 /// A line that is longer than `width` goes on below where its meaning begins.
@@ -33,26 +33,9 @@ std::string wrapped(std::string line, std::size_t width) {
   return text + line + "\n";
 }
 
-/// CLI11 prints the value of a bare --simulated as "{1}"; people read "[=SEED]". Same width, so columns stay.
-std::string with_choices(std::string help) {
-  struct Choice {
-    std::string printed, read;
-  };
-  static const std::array<Choice, 5> choices{{{"{1}    ", "[=SEED]"},
-                                              {"{false}", "       "},  // of --no-preflight
-                                              {"{windows}", "[=WHAT]  "},
-                                              {"{samples}", "[=TABLE] "},
-                                              {"{all}  ", "[=NAME]"}}};
-  for (const Choice& choice : choices)
-    for (auto at = help.find(choice.printed); at != std::string::npos; at = help.find(choice.printed, at))
-      help.replace(at, choice.printed.size(), choice.read);
-  return help;
-}
-
 }  // namespace
 
-std::string help_text(const std::string& printed, std::size_t width) {
-  const std::string help = with_choices(printed);
+std::string help_text(const std::string& help, std::size_t width) {
   std::string text;
   for (std::size_t at = 0; at < help.size();) {
     const std::size_t end = std::min(help.find('\n', at), help.size());

@@ -16,6 +16,7 @@
 #include "rows_text.h"
 #include "simulation_text.h"
 #include "speed_pairs.h"
+#include "thermorig/core/validity.h"
 #include "thermorig/storage/session/annotations.h"
 #include "timing_text.h"
 
@@ -73,11 +74,22 @@ std::string stream_table(const Quality& quality) {
   return table.text();
 }
 
+/// Whether it does not clear `valid` by itself.
+bool is_warning(const std::string& reason) {
+  const auto found = std::find(reason_names.begin(), reason_names.end(), reason);
+  return found != reason_names.end() && (warning_bits >> (found - reason_names.begin()) & 1U) != 0;
+}
+
+/// A warning of every frame tells none from another: a short session lies within a camera's warm-up.
 std::string frames_text(const Quality& quality) {
-  std::string reasons;
-  for (const auto& [name, count] : quality.reason_counts)
-    if (count > 0) reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", name, count_text(count));
-  return valid_frames_text(quality) + "flagged  " + (reasons.empty() ? "none" : reasons) + "\n";
+  std::string reasons, warnings;
+  for (const auto& [name, count] : quality.reason_counts) {
+    if (count == 0 || (is_warning(name) && count == quality.swept)) continue;
+    std::string& text = is_warning(name) ? warnings : reasons;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count_text(count));
+  }
+  return valid_frames_text(quality) + "flagged  " + (reasons.empty() ? "none" : reasons) + "\n" +
+         (warnings.empty() ? "" : "warned   " + warnings + " (clears no frame)\n");
 }
 
 /// A speed in hundredths, so that it can be looked up.

@@ -46,17 +46,20 @@ void flush_output() {
 void require_printed(const std::string& advice) {
   flush_output();
   if (std::ferror(stdout) == 0) return;
-  const Error error = unwritten_output(first_failure);
-  throw Error(error.code(), error.what_happened(), error.where(),
-              error.advice() + (advice.empty() ? "" : "; " + advice));
+  throw with_result(unwritten_output(first_failure), advice);
+}
+
+Error with_result(const Error& unwritten, const std::string& where) {
+  const std::string& advice = unwritten.advice();
+  return {unwritten.code(), unwritten.what_happened(), unwritten.where(),
+          advice + (advice.empty() || where.empty() ? "" : "; ") + where};
 }
 
 Error unwritten_output(int error_number) {
   const auto told = [](const std::string& what, const char* advice) {
     return Error(ExitCode::storage, what, "standard output", advice);
   };
-  if (error_number == EPIPE)
-    return told("the reader of the output went away", "keep the program running that reads it");
+  if (error_number == EPIPE) return told("", "");
   const bool is_full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
   return told("the output could not be written: " + std::generic_category().message(error_number),
               is_full ? "free some space" : "let it go to another place: > FILE");

@@ -51,8 +51,12 @@ void flush_output();
 /// `advice`: where else the result is.
 void require_printed(const std::string& advice = "");
 
-/// What is told where standard output took something not: its reader went away, its disk is full, ...
+/// What is told where standard output took something not: its disk is full, ... Of a reader that went away
+/// what_happened() is empty: so pipes end, and report() prints no error.
 Error unwritten_output(int error_number);
+
+/// The same error, with where else the result is.
+Error with_result(const Error& unwritten, const std::string& where);
 
 /// One object as one line of ASCII: what is not, is escaped as JSON, and so steers no terminal. Text that is
 /// not UTF-8 is replaced, NaN becomes null.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "output.h"
+#include "terminal_width.h"
 
 namespace thermorig::app {
 
@@ -22,7 +23,7 @@ ReadingProgress::ReadingProgress(bool json, Elsewhere elsewhere, std::string wor
       in_lines_(!json && !on_a_terminal_ && elsewhere == Elsewhere::lines) {}
 
 ReadingProgress::~ReadingProgress() {
-  if (on_a_terminal_) print("\r\x1b[K");
+  if (on_a_terminal_) write_to(stdout, drawn_over(""));
 }
 
 void ReadingProgress::operator()(std::size_t done, std::size_t all) {
@@ -32,7 +33,7 @@ void ReadingProgress::operator()(std::size_t done, std::size_t all) {
   const std::string text =
       reading_text(work_, done, all, std::chrono::duration<double>(now - begin_).count());
   if (on_a_terminal_) {
-    print("\r\x1b[K{}", text);
+    write_to(stdout, drawn_over(text));
   } else if (now - told_ >= between_lines) {
     print("{}\n", text);
     told_ = now;

@@ -18,4 +18,8 @@ std::optional<std::size_t> line_limit() {
   return isatty(fileno(stdout)) == 1 ? std::optional(terminal_width()) : std::nullopt;
 }
 
+std::string drawn_over(std::string_view line, std::size_t width) {
+  return "\r\x1b[K" + std::string(line.substr(0, width - 1));  // a full line would wrap
+}
+
 }  // namespace thermorig::app

@@ -248,7 +248,8 @@ std::string remarks_text(const TimingRemarks& remarks) {
 }
 
 std::string reprocess_advice(const std::filesystem::path& path) {
-  return fmt::format("not in this file, which is of an older version: thermorig reprocess {}", path.string());
+  return fmt::format("not in this file, which is of an older version: thermorig reprocess {}",
+                     shell_word(path.string()));
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ ExitCode check_sessions(const CalibrateOptions& options, const std::vector<std::
                 {"calibration", "check"},
                 {"exit_code", static_cast<int>(exit)},
                 {"sessions", sessions}});
-  require_told(unwritten, "thermorig calibrate check --session " + paths.front().string());
+  require_told(unwritten, "thermorig calibrate check --session " + shell_word(paths.front().string()));
   return exit;
 }
 

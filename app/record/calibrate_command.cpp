@@ -132,7 +132,7 @@ CalibrationRecording record_for(const CalibrateOptions& options, ChosenRig rig, 
 
 std::string joined(const std::vector<std::filesystem::path>& paths) {
   std::string text;
-  for (const auto& path : paths) text += fmt::format("{}{}", text.empty() ? "" : " ", path.string());
+  for (const auto& path : paths) text += (text.empty() ? "" : " ") + shell_word(path.string());
   return text;
 }
 

@@ -152,24 +152,26 @@ std::size_t count_warnings(const Checks& checks) {
       checks.begin(), checks.end(), [](const Check& check) { return !check.failed() && check.warning; }));
 }
 
-/// "not fit to record: camera link, gyro stream", "fit to record, with 2 warnings", "fit to record".
-std::string verdict_of(const Checks& checks) {
+/// "not fit to record: camera link, gyro stream", "fit to record, with 2 warnings", "fit to record"; without
+/// a rig only of the computer.
+std::string verdict_of(const Checks& checks, bool of_rig) {
   std::string failed;
   for (const Check& check : checks)
     if (check.failed()) failed += (failed.empty() ? "" : ", ") + check.name;
   if (!failed.empty()) return "not fit to record: " + failed;
   const std::size_t warnings = count_warnings(checks);
-  if (warnings == 0) return "fit to record";
-  return fmt::format("fit to record, with {} warning{}", warnings, warnings == 1 ? "" : "s");
+  const std::string fit = of_rig ? "fit to record" : "no rig was checked; this computer is fit to record";
+  if (warnings == 0) return fit;
+  return fmt::format("{}, with {} warning{}", fit, warnings, warnings == 1 ? "" : "s");
 }
 
-nlohmann::json json_of(const Checks& checks) {
+nlohmann::json json_of(const Checks& checks, bool of_rig) {
   nlohmann::json list = nlohmann::json::array();
   for (const Check& check : checks) {
     list.push_back(check_json(check));
     list.back()["grade"] = check.failed() ? "failed" : check.warning ? "warning" : "ok";
   }
-  return {{"verdict", verdict_of(checks)},
+  return {{"verdict", verdict_of(checks, of_rig)},
           {"warnings", count_warnings(checks)},
           {"exit_code", static_cast<int>(doctor::exit_code_of(checks))},
           {"checks", list}};
@@ -179,13 +181,13 @@ nlohmann::json json_of(const Checks& checks) {
 
 ExitCode run(const DoctorOptions& options) {
   const Checks checks = all_checks(options.record);
+  const bool of_rig = names_rig(options.record.rig);
   if (options.record.json) {
-    print_json(json_of(checks));
+    print_json(json_of(checks, of_rig));
   } else {
     print_checks(checks);
-    print("\nverdict  {}\n", printable(verdict_of(checks)));
-    if (!names_rig(options.record.rig))
-      print("next  thermorig doctor --rig PROFILE (listens to the rig as well; nothing moves)\n");
+    print("\nverdict  {}\n", printable(verdict_of(checks, of_rig)));
+    if (!of_rig) print("next  thermorig doctor --rig PROFILE (listens to the rig as well; nothing moves)\n");
   }
   return doctor::exit_code_of(checks);
 }

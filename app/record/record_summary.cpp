@@ -131,8 +131,8 @@ void print_text(const RecordSummary& summary) {
 }  // namespace
 
 std::string next_command(const RecordingResult& result) {
-  return result.session.empty() ? "thermorig recover " + result.journal.string()
-                                : "thermorig inspect " + result.session.string();
+  return result.session.empty() ? "thermorig recover " + shell_word(result.journal.string())
+                                : "thermorig inspect " + shell_word(result.session.string());
 }
 
 void print_summary(const RecordSummary& summary, bool json) {
@@ -147,9 +147,7 @@ void require_told(const RecordSummary& summary) {
 }
 
 void require_told(const std::optional<Error>& unwritten, const std::string& next) {
-  if (unwritten)
-    throw Error(unwritten->code(), unwritten->what_happened(), unwritten->where(),
-                unwritten->advice() + "; " + next);
+  if (unwritten) throw with_result(*unwritten, next);
   require_printed(next);
 }
 

@@ -142,6 +142,7 @@ void require_line(const char* option, const std::string& text, const char* advic
 
 void check_recording_words(const RecordOptions& options) {
   rig::check_environment(options.environment);
+  rig::sync_policy_from(options.sync);
   require_line("--licence", options.licence, "name the licence: --licence CC-BY-4.0");
   require_line("--operator", options.operator_name, "a name is enough");
   require_line("--place", options.place, "where the rig stands, e.g. --place 'room 2.11, window'");

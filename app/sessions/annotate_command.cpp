@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "existing_file.h"
 #include "print/annotation_text.h"
 #include "print/inspect_text.h"
 #include "print/output.h"
+#include "session_files.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
 #include "thermorig/io/spill/spill.h"
@@ -92,7 +92,8 @@ fs::path move_to(const fs::path& file, const fs::path& target) {
   if (!failure) fs::remove(file, failure);
   if (failure)
     throw Error(ExitCode::storage, "the session was annotated, but could not be moved: " + failure.message(),
-                target.string(), "move it yourself: mv " + file.string() + " " + target.string());
+                target.string(),
+                "move it yourself: mv " + shell_word(file.string()) + " " + shell_word(target.string()));
   return target;
 }
 
@@ -103,7 +104,7 @@ class Annotating {
       : options_(options), session_(session::read_session(options.file)), file_(options.file) {
     if (session_.format_major < 2)
       throw Error(ExitCode::bad_usage, "is of an older format, which has no annotations",
-                  options.file.string(), "thermorig reprocess " + options.file.string());
+                  options.file.string(), "thermorig reprocess " + shell_word(options.file.string()));
   }
 
   void run() {
@@ -126,7 +127,7 @@ class Annotating {
   void take_back() {
     if (session_.annotations.empty())
       throw Error(ExitCode::bad_usage, "it has no annotation that could be taken back", file_.string(),
-                  "thermorig inspect " + file_.string());
+                  "thermorig inspect " + shell_word(file_.string()));
     annotation_ = session_.annotations.back();
     session_.annotations.pop_back();
     apply();
@@ -163,7 +164,8 @@ class Annotating {
     const fs::path journal = fs::path(file_).replace_extension(".journal");
     if (!fs::exists(journal)) return;
     throw Error(ExitCode::bad_usage, "its journal is still beside it, and would be made a session again",
-                journal.string(), "thermorig recover " + journal.string() + ", then move the journal away");
+                journal.string(),
+                "thermorig recover " + shell_word(journal.string()) + ", then move the journal away");
   }
 
   /// The number is chosen, and the name taken, while nobody else may take one there.
@@ -215,8 +217,9 @@ void print_object(const Annotating& done, bool undone) {
 
 }  // namespace
 
-ExitCode run(const AnnotateOptions& options) {
-  require_existing(options.file);
+ExitCode run(const AnnotateOptions& asked) {
+  AnnotateOptions options = asked;
+  options.file = one_session_at(asked.file);
   spill::arrays_near(options.file);
   Annotating annotating(options);
   annotating.run();

@@ -115,7 +115,7 @@ std::vector<Fold> folds_of(const DatasetOptions& options, const std::vector<Entr
   std::vector<Fold> folds = publication::leave_one_out(entries);
   if (folds.empty())
     throw Error(ExitCode::bad_usage, "there is one environment only, and none can be left out",
-                options.folder.string(), "thermorig list " + options.folder.string());
+                options.folder.string(), "thermorig list " + shell_word(options.folder.string()));
   if (options.environment.empty()) return folds;
   std::string names;
   for (const Fold& fold : folds) names += (names.empty() ? "" : ", ") + fold.environment;

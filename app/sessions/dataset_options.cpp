@@ -23,9 +23,7 @@ void add_build(CLI::App& command, DatasetOptions& options) {
                                "Describe a folder of sessions: manifest, sums, card, citation, Croissant");
   build.add_option("--title", options.title, "Title of the data set")->required()->type_name("TEXT");
   build.add_option("--description", options.description, "What it is for, a sentence")->type_name("TEXT");
-  build.add_option("--author", options.authors, "An author; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("NAME");
+  build.add_option("--author", options.authors, "An author; may be repeated")->type_name("NAME");
   build.add_option("--licence", options.licence, "Licence of the data (default: what all sessions say)")
       ->type_name("TEXT");
   build.add_option("--data-version", options.version, "Version of the data set")

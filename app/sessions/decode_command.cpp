@@ -61,7 +61,8 @@ int keep_open(std::FILE*) {
     throw Error(ExitCode::bad_usage, "this is a folder, not a dump", path,
                 "name a file in it, or - for standard input");
   const ExitCode code = reason == EACCES ? ExitCode::no_permission : ExitCode::storage;
-  throw Error(code, std::string("it cannot be read: ") + std::strerror(reason), path, "ls -l " + path);
+  throw Error(code, std::string("it cannot be read: ") + std::strerror(reason), path,
+              "ls -l " + shell_word(path));
 }
 
 std::unique_ptr<std::FILE, int (*)(std::FILE*)> open_source(const std::string& path) {

@@ -32,22 +32,34 @@ void add_model_forms(CLI::App& command, ExportOptions& options) {
       ->type_name("N");
 }
 
+/// Which there are, the session says: a name that may be one, and is no file's.
+std::string problem_of_trajectory(const std::string& name) {
+  return name.find_first_of("./") == std::string::npos ? "" : name + " is no name of a trajectory";
+}
+
 void add_session_forms(CLI::App& command, ExportOptions& options) {
   command
       .add_flag("--npz{windows}", options.npz,
                 "Session: NumPy arrays of the windows that `train` sees; =rows: of the frames, a row each")
-      ->check(CLI::IsMember({"windows", "rows"}));
+      ->check(CLI::IsMember({"windows", "rows"}))
+      ->type_name("WHAT");
   add_window_shape(command, options.frames, options.reduction);
   command
       .add_flag("--csv{samples}", options.csv,
                 "Session: a table with units in its header: samples, camera, gyro, servo, estimates, events")
-      ->check(one_of(interchange::table_names()));
-  command.add_flag("--tum{all}", options.tum,
-                   "Session: trajectories of the shaft and of each estimator, for evo; =NAME: one of them");
+      ->check(one_of(interchange::table_names()))
+      ->type_name("TABLE");
   command
-      .add_flag("--mcap{none}", options.mcap,
-                "Session: images, gyro, servo, labels and events for Foxglove; =zstd: compressed")
-      ->check(CLI::IsMember({"none", "zstd"}));
+      .add_flag("--tum{all}", options.tum,
+                "Session: trajectories of the shaft and of each estimator, for evo; =NAME: one of them")
+      ->check(CLI::Validator(problem_of_trajectory, ""))
+      ->type_name("NAME");
+  command
+      .add_flag(
+          "--mcap{none}", options.mcap,
+          "Session: images, gyro, servo, labels and events for Foxglove; none (default) or zstd: compressed")
+      ->check(CLI::IsMember({"none", "zstd"}))
+      ->type_name("HOW");
 }
 
 }  // namespace
@@ -55,7 +67,9 @@ void add_session_forms(CLI::App& command, ExportOptions& options) {
 void add_export(CLI::App& root, ExportOptions& options) {
   CLI::App& command = *root.add_subcommand(
       "export", "Export a session, a model or the odometer for other programs and small boards");
-  command.add_option("FILE", options.file, "Session (.h5), model file (.onnx) or profile (.toml)")
+  command
+      .add_option("FILE", options.file,
+                  "Session (.h5) or folder of sessions, model file (.onnx) or profile (.toml)")
       ->required();
   add_session_forms(command, options);
   add_model_forms(command, options);

@@ -8,9 +8,9 @@
 #include <list>
 #include <nlohmann/json.hpp>
 
-#include "existing_file.h"
 #include "export_files.h"
 #include "print/output.h"
+#include "session_files.h"
 #include "thermorig/io/spill/spill.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/learning/interchange/csv.h"
@@ -59,19 +59,17 @@ class SessionExport {
     require_printed();
   }
 
-  /// All or none.
-  std::vector<std::filesystem::path> write_files() const {
+  /// To be published by the caller.
+  std::vector<std::filesystem::path> write_files(std::list<ExportFile>& files) const {
     std::vector<std::filesystem::path> paths;
-    std::list<ExportFile> files;
     for (const Output& output : outputs_)
       paths.push_back(options_.output / (options_.file.stem().string() + output.ending));
     for (const auto& path : paths) require_new(path);
     for (std::size_t i = 0; i < outputs_.size(); ++i) outputs_[i].write(files.emplace_back(paths[i]));
-    for (ExportFile& file : files) file.publish();
     return paths;
   }
 
-  const session::Session& session() const { return session_; }
+  bool is_simulated() const { return session_.raw.header.simulated; }
 
  private:
   void add_npz() {
@@ -125,18 +123,39 @@ class SessionExport {
   std::vector<Output> outputs_;
 };
 
-void print_written(const ExportOptions& options, const session::Session& session,
-                   const std::vector<std::filesystem::path>& paths) {
-  if (options.json) {
-    nlohmann::json object{{"session", options.file.string()},
-                          {"simulated", session.raw.header.simulated},
+/// What a session was written to.
+struct Written {
+  std::filesystem::path session;
+  bool simulated = false;
+  std::vector<std::filesystem::path> paths;
+};
+
+void print_written(const Written& written, bool json) {
+  if (json) {
+    nlohmann::json object{{"session", written.session.string()},
+                          {"simulated", written.simulated},
                           {"files", nlohmann::json::array()}};
-    for (const auto& path : paths) object["files"].push_back(path.string());
+    for (const auto& path : written.paths) object["files"].push_back(path.string());
     return print_json(object);
   }
-  print("session   {}{}\n", printable(options.file.string()),
-        session.raw.header.simulated ? ": of a SIMULATED rig" : "");
-  for (const auto& path : paths) print("written   {}\n", printable(path.string()));
+  print("session   {}{}\n", printable(written.session.string()),
+        written.simulated ? ": of a SIMULATED rig" : "");
+  for (const auto& path : written.paths) print("written   {}\n", printable(path.string()));
+}
+
+/// All files of all sessions, or none.
+void export_all(const ExportOptions& options, const std::vector<std::filesystem::path>& sessions) {
+  std::list<ExportFile> files;
+  std::vector<Written> all;
+  for (const auto& session : sessions) {
+    ExportOptions one = options;
+    one.file = session;
+    spill::arrays_near(session);
+    const SessionExport exported(one);
+    all.push_back({session, exported.is_simulated(), exported.write_files(files)});
+  }
+  for (ExportFile& file : files) file.publish();
+  for (const Written& written : all) print_written(written, options.json);
 }
 
 }  // namespace
@@ -151,13 +170,14 @@ ExitCode export_session(const ExportOptions& options) {
                 "thermorig export --help");
   if ((options.frames || options.reduction) && options.npz.value_or("") != "windows")
     throw Error(ExitCode::bad_usage, "--nf and --nr say which windows, and there are none", "", "--npz");
-  require_existing(options.file);
-  spill::arrays_near(options.file);
-  const SessionExport exported(options);
-  if (options.output == "-")
-    exported.write_to_standard_output();
-  else
-    print_written(options, exported.session(), exported.write_files());
+  if (options.output != "-") {
+    export_all(options, session_files_at(options.file));
+    return ExitCode::ok;
+  }
+  ExportOptions one = options;
+  one.file = one_session_at(options.file);
+  spill::arrays_near(one.file);
+  SessionExport(one).write_to_standard_output();
   return ExitCode::ok;
 }
 

@@ -57,7 +57,7 @@ void refuse_session_words(const InspectOptions& options, const std::filesystem::
                                                  : "";
   if (word.empty()) return;
   throw Error(ExitCode::bad_usage, word + " is for sessions, and this is a map", map.string(),
-              "thermorig inspect " + map.string());
+              "thermorig inspect " + shell_word(map.string()));
 }
 
 ExitCode code_of(const Inspected& inspected) {

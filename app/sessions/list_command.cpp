@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <sstream>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -123,15 +125,31 @@ Table table_of(const std::vector<ListedSession>& sessions) {
   return table;
 }
 
-/// What a terminal has no room for is left out, and named.
-void print_table(Table table) {
-  const std::vector<std::string> by_importance{"environment", "number",     "verdict", "rig",     "valid",
-                                               "file",        "date (UTC)", "plan",    "in legs", "notes"};
+/// A line of its own below each session's.
+std::string with_files(const std::string& table, const std::vector<ListedSession>& sessions) {
+  std::istringstream lines(table);
+  std::string line, text;
+  std::getline(lines, line);  // the heading
+  text += line + "\n";
+  for (const ListedSession& session : sessions)
+    if (!session.refusal && std::getline(lines, line))
+      text += line + "\n  " + printable(session.file.string()) + "\n";
+  return text;
+}
+
+/// What a terminal has no room for is left out, and named; of the file, which is what one goes on with, there
+/// is a line of its own.
+void print_table(const std::vector<ListedSession>& sessions) {
+  const std::vector<std::string> by_importance{"environment", "number", "verdict", "rig",  "valid",
+                                               "date (UTC)",  "plan",   "in legs", "file", "notes"};
+  Table table = table_of(sessions);
   const std::optional<std::size_t> limit = line_limit();
-  const auto left_out = limit ? table.fit(*limit, by_importance) : std::vector<std::string>{};
-  print("{}\n", table.text());
-  if (!left_out.empty())
-    print("{}", fmt::format("no room here for: {} (thermorig list | less -S)\n", fmt::join(left_out, ", ")));
+  auto hidden = limit ? table.fit(*limit, by_importance) : std::vector<std::string>{};
+  const bool hides_files = std::erase(hidden, "file") > 0;
+  print("{}\n", hides_files ? with_files(table.text(), sessions) : table.text());
+  if (!hidden.empty())
+    print("{}", fmt::format("hidden columns (narrow terminal): {}; thermorig list | less -S\n",
+                            fmt::join(hidden, ", ")));
 }
 
 template <typename Is>
@@ -159,7 +177,7 @@ void print_journals(const ListOptions& options) {
   const std::vector<std::filesystem::path> journals = dataset::find_journals(options.paths);
   if (journals.empty()) return;
   print("{} journal{}: being recorded, or waiting for thermorig recover {}\n", journals.size(),
-        journals.size() == 1 ? "" : "s", printable(journals.front().string()));
+        journals.size() == 1 ? "" : "s", printable(shell_word(journals.front().string())));
 }
 
 nlohmann::json object_of(const ListedSession& session) {
@@ -184,7 +202,7 @@ nlohmann::json object_of(const ListedSession& session) {
 }
 
 void print_words(const ListOptions& options, const std::vector<ListedSession>& sessions) {
-  if (count_of(sessions, [](const auto&) { return true; }) > 0) print_table(table_of(sessions));
+  if (count_of(sessions, [](const auto&) { return true; }) > 0) print_table(sessions);
   print("{}", totals_of(sessions));
   print_journals(options);
 }

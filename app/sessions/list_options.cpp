@@ -11,15 +11,11 @@ void add_list(CLI::App& root, ListOptions& options) {
   command.add_option("FOLDER", options.paths, "Folders that are searched, or session files (.h5)")
       ->default_str("recordings");
   command.add_option("-e,--environment", options.environments, "Only of this environment; may be repeated")
-      ->allow_extra_args(false)
       ->type_name("NAME");
-  command.add_option("--plan", options.plans, "Only of this plan; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("NAME");
+  command.add_option("--plan", options.plans, "Only of this plan; may be repeated")->type_name("NAME");
   command
       .add_option("--verdict", options.verdicts, "Only with this verdict: good, usable, bad; may be repeated")
       ->check(CLI::IsMember({"good", "usable", "bad"}))
-      ->allow_extra_args(false)
       ->type_name("WORD");
   CLI::Option* simulated = command.add_flag("--simulated", options.simulated, "Only of the simulated rig");
   command.add_flag("--real", options.real, "Only of real rigs")->excludes(simulated);

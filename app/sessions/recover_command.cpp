@@ -78,7 +78,7 @@ void print_text(const std::filesystem::path& path, const std::vector<RecoveryRes
   for (const RecoveryResult& result : results) print("{}", text_of(result));
   for (const RecoveryResult& result : results) {
     if (result.session.empty()) continue;
-    print("\nnext  thermorig inspect {}\n", printable(result.session.string()));
+    print("\nnext  thermorig inspect {}\n", printable(shell_word(result.session.string())));
     break;
   }
 }

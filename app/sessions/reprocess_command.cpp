@@ -106,6 +106,15 @@ std::string change(const std::string& before, const std::string& after) {
   return before == after ? after : fmt::format("{} -> {}", before, after);
 }
 
+/// A verdict that has changed is told with its reasons.
+std::string verdict_words(const session::Quality& before, const session::Quality& after) {
+  std::string text = fmt::format("  verdict  {}\n", printable(change(before.verdict, after.verdict)));
+  if (before.verdict == after.verdict) return text;
+  for (const std::string& reason : after.verdict_reasons)
+    text += fmt::format("           {}\n", printable(reason));
+  return text;
+}
+
 std::string words_of(const std::filesystem::path& path, const State& before, const State& after) {
   const session::Quality& quality = after.quality;
   std::string text =
@@ -113,7 +122,7 @@ std::string words_of(const std::filesystem::path& path, const State& before, con
       fmt::format("  valid    {} of {} in legs\n",
                   change(count_text(before.quality.valid), count_text(quality.valid)),
                   change(count_text(before.quality.swept), count_text(quality.swept))) +
-      fmt::format("  verdict  {}\n", printable(change(before.quality.verdict, quality.verdict)));
+      verdict_words(before.quality, quality);
   if (const auto by = moved(before, after))
     return text + fmt::format("  times    moved by {:.2f} ms in the median, by {:.2f} ms at most\n",
                               1e3 * by->median_s, 1e3 * by->max_s);
@@ -123,6 +132,7 @@ std::string words_of(const std::filesystem::path& path, const State& before, con
 nlohmann::json object_of(const std::filesystem::path& path, const State& before, const State& after) {
   nlohmann::json object = quality_json(after.quality);
   object["file"] = path.string();
+  object["verdict_reasons"] = after.quality.verdict_reasons;
   object["before"] = quality_json(before.quality);
   const auto by = moved(before, after);
   object["moved_median_s"] = by ? nlohmann::json(by->median_s) : nlohmann::json();

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "session_files.h"
 
+#include <fmt/format.h>
+
 #include "existing_file.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/storage/journal/journal.h"
 
@@ -26,10 +29,18 @@ std::vector<fs::path> session_files_at(const std::vector<fs::path>& paths) {
   return files;
 }
 
+fs::path one_session_at(const fs::path& path) {
+  const std::vector<fs::path> files = session_files_at(path);
+  if (files.size() == 1) return files.front();
+  throw Error(ExitCode::bad_usage,
+              fmt::format("the folder holds {} sessions, and one is needed", files.size()), path.string(),
+              "name it, e.g. " + shell_word(files.back().string()));
+}
+
 void refuse_journal(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path) || !journal::is_journal(path)) return;
   throw Error(ExitCode::not_a_session, "this is a journal, not yet a session", path.string(),
-              "thermorig recover " + path.string());
+              "thermorig recover " + shell_word(path.string()));
 }
 
 }  // namespace thermorig::app

@@ -13,6 +13,10 @@ std::vector<std::filesystem::path> session_files_at(const std::filesystem::path&
 /// The same of several, in their order.
 std::vector<std::filesystem::path> session_files_at(const std::vector<std::filesystem::path>& paths);
 
+/// The session that a path stands for where only one is taken. Throws Error(bad_usage) also of a folder that
+/// holds several.
+std::filesystem::path one_session_at(const std::filesystem::path& path);
+
 /// Throws Error(not_a_session) for a journal, with how to make a session of it.
 void refuse_journal(const std::filesystem::path& path);
 

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "existing_file.h"
 #include "export_files.h"
 #include "print/output.h"
 #include "session_files.h"
@@ -39,8 +38,8 @@ bool is_simulated(const view::PackedSession& packed) {
   return facts.is_object() && facts.value("simulated", nlohmann::json()) == true;
 }
 
-void print_written(const InspectOptions& options, const view::PackedSession& packed, std::size_t bytes) {
-  const std::filesystem::path& session = options.paths.front();
+void print_written(const InspectOptions& options, const std::filesystem::path& session,
+                   const view::PackedSession& packed, std::size_t bytes) {
   if (options.json) {
     print_json({{"session", session.string()},
                 {"simulated", is_simulated(packed)},
@@ -67,8 +66,7 @@ void require_page() {
 ExitCode write_session_page(const InspectOptions& options) {
   check_words(options);
   require_page();
-  const std::filesystem::path& path = options.paths.front();
-  require_existing(path);
+  const std::filesystem::path path = one_session_at(options.paths.front());
   refuse_journal(path);
   require_new(options.html, "another name, or remove it first");
   view::PackedSession packed =
@@ -77,7 +75,7 @@ ExitCode write_session_page(const InspectOptions& options) {
   ExportFile file(options.html);
   file.write(std::string_view(document));
   file.publish();
-  print_written(options, packed, document.size());
+  print_written(options, path, packed, document.size());
   return ExitCode::ok;
 }
 

@@ -2,7 +2,6 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "existing_file.h"
 #include "interrupts.h"
 #include "live/page_address.h"
 #include "print/output.h"
@@ -33,14 +32,17 @@ void tell(const ViewOptions& options, const web::Server& server, std::uint64_t f
 }  // namespace
 
 /// Until Ctrl-C.
-ExitCode run(const ViewOptions& options) {
+ExitCode run(const ViewOptions& asked) {
   require_page();
-  require_existing(options.file);
+  ViewOptions options = asked;
+  options.file = one_session_at(asked.file);
   refuse_journal(options.file);
   const view::SessionView view(options.file);
   hold_interrupts();
   web::ServerOptions served;
   served.port = options.port;
+  served.state_file = web::default_state_file();  // `live`'s is left alone
+  if (!served.state_file.empty()) served.state_file.replace_filename("view.json");
   served.data = [&view](std::string_view name) { return view::served_part(view, name); };
   const web::Server server(served, no_orders);
   tell(options, server, view.frames());

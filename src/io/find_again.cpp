@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "thermorig/core/error.h"
+#include "thermorig/io/holder.h"
 
 namespace thermorig::io {
 
@@ -17,9 +18,16 @@ std::vector<PortInfo> listed_ports() {
   }
 }
 
+bool is_pseudo_terminal_path(const std::string& path) {
+  return path.starts_with("/dev/pts/");
+}
+
+/// The number of a pseudo terminal that is gone is given to the next one: to the rig's again, or to
+/// somebody's shell, which has it open.
 std::optional<std::string> path_behind(const std::string& name) {
   try {
-    return resolve_port(name);
+    const std::string path = resolve_port(name);
+    return is_pseudo_terminal_path(path) && other_holder_of(path) ? std::nullopt : std::optional(path);
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -29,10 +37,6 @@ const PortInfo* with_path(const std::vector<PortInfo>& listed, const std::string
   const auto found =
       std::find_if(listed.begin(), listed.end(), [&](const PortInfo& info) { return info.path == path; });
   return found == listed.end() ? nullptr : &*found;
-}
-
-bool is_pseudo_terminal_path(const std::string& path) {
-  return path.starts_with("/dev/pts/");
 }
 
 /// Camera and gyro may be on the two ports of one adapter, which sits in one socket.
@@ -62,8 +66,6 @@ std::optional<std::string> choose_again(const KnownPort& port, const std::vector
   for (const PortInfo& info : listed)
     if (is_same_place(info, port.info) && info.usb_id == port.info.usb_id && !is_held(info.path, others))
       return info.path;
-  // The number of a pseudo terminal that is gone is given to the next one: somebody's shell.
-  if (port.name == port.info.path && is_pseudo_terminal_path(port.name)) return std::nullopt;
   if (!named || is_held(*named, others)) return std::nullopt;
   const PortInfo* info = with_path(listed, *named);
   if (info == nullptr) return named;

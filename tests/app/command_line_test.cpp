@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <fstream>
+#include <functional>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "program.h"
 
@@ -13,15 +17,108 @@ using ::testing::HasSubstr;
 
 class CommandLine : public ProgramTest {};
 
-TEST_F(CommandLine, GivesHelpWithAnExampleForEveryCommand) {
-  for (const char* command : {"ports", "simulate", "record", "list", "annotate", "dataset", "inspect",
-                              "recover", "reprocess", "decode"}) {
-    const Outcome outcome = run(std::string(command) + " --help");
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// The left column of a line of help: "-o,--output DIR"; empty of other lines.
+std::string left_column(const std::string& line) {
+  constexpr std::size_t width = 30;
+  if (!line.starts_with("  ") || line.size() < 3 || line[2] == ' ' || line.starts_with("  thermorig"))
+    return "";
+  const std::string left =
+      line.substr(2, line.size() > width && line[width - 1] == ' ' ? width - 2 : line.size());
+  return left.substr(0, left.find_last_not_of(' ') + 1);
+}
+
+/// "record", ..., "dataset", "dataset build", ...: every command that the help of `command` lists, and
+/// theirs.
+void add_commands(const std::function<std::string(const std::string&)>& help, const std::string& command,
+                  std::vector<std::string>& commands) {
+  const std::vector<std::string> lines = lines_of(help(command));
+  auto line = std::find(lines.begin(), lines.end(), "Subcommands:");
+  for (; line != lines.end() && !line->empty(); ++line) {
+    const std::string name = left_column(*line);
+    if (name.empty()) continue;
+    commands.push_back(command.empty() ? name : command + " " + name);
+    add_commands(help, commands.back(), commands);
+  }
+}
+
+class EveryCommand : public CommandLine {
+ protected:
+  EveryCommand() {
+    add_commands([this](const std::string& command) { return run(command + " --help").out; }, "", commands);
+  }
+  std::vector<std::string> commands;
+};
+
+TEST_F(EveryCommand, HasHelpWithAnExampleThatFits80Columns) {
+  EXPECT_GE(commands.size(), 20U);
+  for (const std::string& command : commands) {
+    const Outcome outcome = run(command + " --help");
     EXPECT_EQ(outcome.code, 0) << command;
     EXPECT_THAT(outcome.out, HasSubstr("Example")) << command;
-    EXPECT_THAT(outcome.out, HasSubstr(std::string("thermorig ") + command)) << command;
+    EXPECT_THAT(outcome.out, HasSubstr("thermorig " + command)) << command;
     EXPECT_EQ(outcome.err, "") << command;
+    for (const std::string& line : lines_of(outcome.out))
+      EXPECT_TRUE(line.size() <= 80 || line.starts_with("  thermorig")) << command << ": " << line;
   }
+}
+
+TEST_F(EveryCommand, GivesTheSameHelpIfAskedWithTheWord) {
+  for (const std::string& command : commands)
+    EXPECT_EQ(run("help " + command).out, run(command + " --help").out) << command;
+  EXPECT_EQ(run("help").out, run("--help").out);
+  EXPECT_EQ(run("help recrod").code, 2);
+}
+
+/// Those that take more say so in their help: "PATH...".
+TEST_F(EveryCommand, HasNoOptionThatTakesMoreThanOneWord) {
+  std::vector<std::string> greedy;
+  for (const std::string& command : commands)
+    for (const std::string& line : lines_of(run(command + " --help").out))
+      if (const std::string left = left_column(line); left.starts_with('-')) {
+        EXPECT_EQ(left.find_first_of("{}:"), std::string::npos) << command << ": " << line;
+        if (left.ends_with("...") && !left.ends_with(",...")) greedy.push_back(command + " " + left);
+      }
+  EXPECT_THAT(greedy, testing::ElementsAre("calibrate --session PATH..."));
+}
+
+TEST_F(CommandLine, LeavesTheFileThatFollowsAnOptionToTheCommand) {
+  for (const char* words :
+       {"evaluate --study -o s --nf 2,3 left", "evaluate --study -o s --nr 1,2 left",
+        "evaluate --study -o s --seeds 1,2 left", "evaluate --study -o s --reference-seeds 1,2 left",
+        "decode --device gyro --gyro-protocol text --columns 7,8,9 left",
+        "decode --device gyro --gyro-protocol mavlink --gyro-setting raw_scale_dps=0.0573 left",
+        "list --environment garden left", "list --plan quick left", "list --verdict good left",
+        "dataset build --title T --author A left", "export --csv gyro left", "export --csv left",
+        "export --npz rows left", "export --mcap zstd left", "export --tum shaft left"}) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 2) << words;
+    EXPECT_THAT(outcome.err, HasSubstr("thermorig: left: there is no such file")) << words;
+  }
+  for (const char* words : {"live --replay none.h5 --estimators gyro,odometer left",
+                            "record -e garden --simulated --fast --speeds 30,60 left"})
+    EXPECT_THAT(run(words).err, HasSubstr("The following argument was not expected: left")) << words;
+}
+
+TEST_F(CommandLine, TakesNoOptionForTheValueThatMayBeLeftOut) {
+  EXPECT_THAT(run("export --tum -o out left").err, HasSubstr("left: there is no such file"));
+}
+
+TEST_F(CommandLine, TheDoctorSaysNothingOfARigThatItDidNotLookAt) {
+  const Outcome outcome = run("doctor");
+  EXPECT_THAT(outcome.out, HasSubstr("verdict  no rig was checked; this computer is fit to record"));
+}
+
+TEST_F(CommandLine, RefusesColumnsThatAreNotThree) {
+  const Outcome outcome = run("decode --device gyro --columns 7,8 dump.txt");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("try: --columns 0,1,2"));
 }
 
 TEST_F(CommandLine, DoesNotSayThatACameraIsToldItsRate) {
@@ -116,10 +213,14 @@ TEST_F(CommandLine, NamesAPathThatTheSystemRefuses) {
   EXPECT_THAT(outcome.err, HasSubstr("thermorig: loop.h5: Too many levels of symbolic links\n  try: "));
 }
 
-TEST_F(CommandLine, SaysThatTheSeedBelongsToTheWord) {
-  const Outcome outcome = run("record --environment garden --fast --simulated 3");
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("try: --simulated=3"));
+TEST_F(CommandLine, SaysThatAWordIsGivenTwice) {
+  EXPECT_THAT(run("record -e garden -e kitchen --simulated").err,
+              HasSubstr("--environment is given 2 times"));
+}
+
+TEST_F(CommandLine, TakesASeedThatIsNotJoinedToItsWord) {
+  const std::string record = "record --environment garden --json -n --simulated";
+  EXPECT_EQ(run(record + " 3").out, run(record + "=3").out);
 }
 
 TEST_F(CommandLine, PointsToAProfileThatLiesHere) {

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "print/terminal_width.h"
+
 namespace thermorig::app {
 namespace {
 
@@ -15,6 +19,14 @@ TEST(ReadingProgress, TellsNoTimeBeforeThereIsOneToGoBy) {
   EXPECT_EQ(reading_text("reading sessions", 0, 40, 20.0), "reading sessions: 0 of 40");
   EXPECT_EQ(reading_text("reading sessions", 3, 40, 0.9), "reading sessions: 3 of 40");
   EXPECT_EQ(reading_text("reading sessions", 40, 40, 80.0), "reading sessions: 40 of 40");
+}
+
+TEST(DrawnOver, IsNeverLongerThanALineOfTheTerminal) {
+  const std::string clear = "\r\x1b[K", eighty(80, 'x');
+  EXPECT_EQ(drawn_over("short", 80), clear + "short");
+  EXPECT_EQ(drawn_over(eighty, 80), clear + eighty.substr(1)) << "a full line wraps";
+  EXPECT_EQ(drawn_over(eighty, 200), clear + eighty);
+  EXPECT_EQ(drawn_over("", 80), clear);
 }
 
 TEST(ReadingProgress, SaysNothingWithJson) {

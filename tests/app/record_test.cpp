@@ -116,6 +116,25 @@ TEST_F(Record, ShowsThePlanAndMovesNothingOnADryRun) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "recordings"));
 }
 
+TEST_F(Record, EndsWith3WhereMessagesWereLostAndSaysHowMany) {
+  const Outcome outcome =
+      run("record --world honest,camera.lost_subpages=0.17 --simulated=3 --fast -e garden " + brief_plan +
+          " --json");
+  EXPECT_EQ(outcome.code, 3);
+  const std::string message = outcome.lines().back()["message"];
+  EXPECT_THAT(message, testing::ContainsRegex("finished, but [0-9.]+ % of the camera's messages were lost"));
+}
+
+TEST_F(Record, RefusesOnADryRunWhatItRefusesWhenItRecords) {
+  for (const char* words : {"--sync foo", "--sync 5", "--replug-patience nan", "--replug-patience -1",
+                            "--speeds nan", "--frames-per-leg 0", "--world foo", "--camera-rate 0"}) {
+    const std::string record = std::string("record -e garden --simulated --fast ") + words;
+    const Outcome dry = run(record + " -n");
+    EXPECT_EQ(dry.code, 2) << words;
+    EXPECT_EQ(dry.err, run(record).err) << words;
+  }
+}
+
 TEST_F(Record, GivesTheDryRunAsJson) {
   const Outcome outcome = run(fast + "--dry-run --json " + brief_plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;

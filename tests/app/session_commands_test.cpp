@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
+#include <fstream>
 #include <thread>
 
 #include "program.h"
@@ -139,6 +140,62 @@ TEST_F(SessionCommands, ReprocessMakesTheSameSessionAgain) {
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.lines()[0][0]["frames_valid"], before["frames_valid"]);
   EXPECT_EQ(run("inspect --json " + session.string()).lines()[0][0], before);
+}
+
+TEST_F(SessionCommands, ReprocessSaysWhyAVerdictIsAnother) {
+  const std::string session = record_briefly().string();
+  std::ofstream(folder() / "turned.toml")
+      << "name = \"bench\"\n[gyro]\nsign = -1\n"
+         "[camera]\norientation_measured_utc = \"2026-11-20T10:00:00Z\"\n";
+  const Outcome outcome = run("reprocess --rig turned.toml " + session);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("verdict  good -> bad\n           [a-z]"));
+  EXPECT_FALSE(run("reprocess --json " + session).lines()[0][0]["verdict_reasons"].is_null());
+}
+
+/// Of commands that take one session; of several sessions they say which to name.
+TEST_F(SessionCommands, AFolderStandsForTheSessionInIt) {
+  record_briefly();
+  for (const char* words : {"annotate recordings --note x", "inspect --html page.html recordings",
+                            "live --speed max --no-page --replay recordings", "export recordings --csv -o -"})
+    EXPECT_EQ(run(words).code, 0) << words;
+  record_briefly();
+  for (const char* words :
+       {"annotate recordings --note x", "inspect --html other.html recordings", "view recordings",
+        "live --speed max --no-page --replay recordings", "export recordings --csv -o -"}) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 2) << words;
+    EXPECT_THAT(outcome.err, HasSubstr("the folder holds 2 sessions, and one is needed")) << words;
+    EXPECT_THAT(outcome.err, HasSubstr("recordings/garden/garden_acq-02_")) << words;
+  }
+}
+
+TEST_F(SessionCommands, ExportTakesEverySessionOfAFolder) {
+  record_briefly();
+  record_briefly();
+  const Outcome outcome = run("export recordings --csv --tum shaft -o made --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.lines().size(), 2U);
+  EXPECT_EQ(files(".csv").size(), 2U);
+  EXPECT_EQ(files(".tum").size(), 2U);
+  EXPECT_EQ(run("export recordings --csv --npz -o made").code, 7) << "a table is there";
+  EXPECT_TRUE(files(".npz").empty()) << "all files of a call, or none";
+}
+
+TEST_F(SessionCommands, ANextCommandCanBeTypedWhateverTheNames) {
+  const Outcome outcome =
+      run("record --world honest --simulated=3 --fast -e garden -o 'my data' " + brief_plan);
+  const std::string next = outcome.out.substr(outcome.out.find("\nnext  thermorig ") + 17);
+  EXPECT_EQ(run(next.substr(0, next.find('\n'))).code, 0) << next;
+}
+
+TEST_F(SessionCommands, InspectTellsOfAWarningOnlyWhereItIsNotThatOfEveryFrame) {
+  run("record --world honest,camera.lost_subpages=0.17 --simulated=3 --fast -e kitchen " + brief_plan);
+  EXPECT_THAT(run("inspect recordings/kitchen").out, testing::ContainsRegex("warned   camera_gap [0-9]+ "));
+  run("record --world typical --simulated=4 --fast -e garden " + brief_plan);  // begins with a cold camera
+  const auto session = run("inspect --json recordings/garden").lines()[0][0];
+  EXPECT_EQ(session["reasons"]["warm_up"], session["frames_swept"]);
+  EXPECT_THAT(run("inspect recordings/garden").out, testing::Not(HasSubstr("warm_up")));
 }
 
 TEST_F(SessionCommands, RecoverMakesASessionOfAKilledRecording) {

@@ -196,6 +196,12 @@ TEST_F(Train, SaysWhenTheGateHasCollapsed) {
   const Outcome outcome = run(network + "--preset paper --epochs 20 --rate 0.01 -o model.onnx");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("warning: the gate has collapsed"), HasSubstr("--preset best")));
+  // What the training did already is no advice.
+  const Outcome weak =
+      run(network + "--epochs 20 --rate 0.01 --preset paper --auxiliary-thermal 0.001 -o weak.onnx");
+  EXPECT_THAT(weak.out, HasSubstr("gate has collapsed"));
+  EXPECT_THAT(weak.out,
+              AllOf(HasSubstr("--auxiliary-thermal 0.002"), testing::Not(HasSubstr("--preset best"))));
 }
 
 TEST_F(Train, SaysWhenTheGyroAloneIsBetter) {

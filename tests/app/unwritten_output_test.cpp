@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <array>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,6 @@ namespace thermorig::tests {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 constexpr int output = 9;  // one digit: what every shell takes behind ">&"
 
@@ -103,25 +104,42 @@ TEST_F(Unwritten, ResultsOfALearnerAreExitCode7AndItsFilesAreThere) {
   EXPECT_EQ(files(".onnx").size(), 6U);  // each model, its run's, and two exports
 }
 
-TEST_F(Unwritten, ResultsThatNobodyReadsAreExitCode7) {
+// As `thermorig ... | head` ends.
+TEST_F(Unwritten, APipeThatEndsIsNoErrorOfAnyCommandAndItsExitCodeIs7) {
   const std::string session = record_briefly().string();
-  give_pipe_without_reader();
-  expect_told_by_each({record, "inspect " + session, "recover recordings",
-                       "calibrate bias --world honest --simulated=3 --fast"});
-  EXPECT_EQ(files(".h5").size(), 5U);
-}
-
-TEST_F(Unwritten, AReaderThatWentAwayIsNoFullDisk) {
-  const std::string session = record_briefly().string();
+  std::ofstream(folder() / "dump.txt") << "1,2,3\n1,2,3\n";
   give_pipe_without_reader();
   std::string many = "inspect";
   for (int i = 0; i < 20; ++i) many += " " + session;
-  for (const std::string& command : {"inspect " + session, many, std::string("--version")}) {
-    const Outcome outcome = run_there(command);
+  for (const std::string& command :
+       {"inspect " + session, many, std::string("--version"), std::string("list recordings"),
+        std::string("recover recordings"), std::string("doctor"), "reprocess " + session,
+        "annotate --note words " + session, std::string("decode --device gyro --gyro-protocol text dump.txt"),
+        "export --csv -o - " + session, "export --npz -o made " + session,
+        "live --no-page --speed max --replay " + session, std::string("record -n --simulated -e garden"),
+        std::string("help record")})
+    for (const char* form : {"", " --json"}) {
+      if (command.starts_with("export --csv -o -") && *form != '\0') continue;  // takes nothing else
+      std::filesystem::remove_all(folder() / "made");
+      const Outcome outcome = run_there(command + form);
+      EXPECT_EQ(outcome.code, 7) << command << form;
+      EXPECT_EQ(outcome.err, "") << command << form;
+    }
+}
+
+TEST_F(Unwritten, APipeThatEndsStopsNoRecordingAndWhatWasMadeIsNamed) {
+  give_pipe_without_reader();
+  for (const char* form : {"", " --json"}) {
+    const Outcome outcome = run_there(record + form);
     EXPECT_EQ(outcome.code, 7);
-    EXPECT_THAT(outcome.err, HasSubstr("the reader of the output went away"));
-    EXPECT_THAT(outcome.err, Not(HasSubstr("space")));
+    const auto session = files(".h5").back().lexically_relative(folder());
+    EXPECT_EQ(outcome.err, "thermorig inspect " + session.string() + "\n");
   }
+  const Outcome outcome = run_there("calibrate bias --world honest --simulated=3 --fast --save kept.toml");
+  EXPECT_EQ(outcome.code, 7);
+  EXPECT_EQ(outcome.err, "the result is in kept.toml\n");
+  EXPECT_TRUE(std::filesystem::exists(folder() / "kept.toml"));
+  EXPECT_EQ(files(".h5").size(), 3U);
 }
 
 TEST_F(Unwritten, ATextLongerThanABufferIsNoOtherFailure) {

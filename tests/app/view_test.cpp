@@ -77,6 +77,20 @@ TEST_F(View, SaysInJsonWhereItServes) {
   EXPECT_THAT(outcome.err, HasSubstr("page  http://127.0.0.1:"));
 }
 
+// As `view > log` of a user whose files others may read: the test's own output is such a file.
+TEST_F(View, KeepsItsAddressWhereOnlyItsUserReadsIt) {
+  ASSERT_EQ(setenv("XDG_STATE_HOME", folder().c_str(), 1), 0);
+  const pid_t process = start({"view", "--page-port", "0", record_briefly().string()});
+  unsetenv("XDG_STATE_HOME");
+  const std::filesystem::path kept = folder() / "thermorig" / "view.json";
+  EXPECT_TRUE(comes_true([&] {
+    return file_text(folder() / "background_out.txt").find("Ctrl-C ends it") != std::string::npos;
+  }));
+  EXPECT_THAT(file_text(kept), HasSubstr("http://127.0.0.1:"));
+  kill(process, SIGINT);
+  EXPECT_THAT(wait(process).out, HasSubstr("stands under \"url\" in " + kept.string()));
+}
+
 TEST_F(View, ServesUntilItIsInterrupted) {
   const std::string session = record_briefly().string();
   const pid_t process = start({"view", "--page-port", "0", session});

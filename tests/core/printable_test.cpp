@@ -40,5 +40,15 @@ TEST(Printable, TwiceGivesTheSameAsOnce) {
   EXPECT_EQ(printable(once), once);
 }
 
+TEST(Shell, ReadsAWordOfAPrintedCommandAsItWasMeant) {
+  for (const char* plain :
+       {"recordings/garden/garden_acq-01_20261130T015933Z.h5", "../a-b@c.h5", "/dev/ttyUSB0"})
+    EXPECT_EQ(shell_word(plain), plain);
+  EXPECT_EQ(shell_word("my data/x.h5"), "'my data/x.h5'");
+  EXPECT_EQ(shell_word("it's"), R"('it'\''s')");
+  for (const char* steering : {"a;b", "$HOME", "a*b", "`ls`", "~", "a|b", "a&b", "(a)", "a\nb", ""})
+    EXPECT_EQ(shell_word(steering), "'" + std::string(steering) + "'");
+}
+
 }  // namespace
 }  // namespace thermorig::test

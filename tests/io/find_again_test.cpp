@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/io/find_again.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
+
+#include "support/hand_clock.h"
+#include "thermorig/io/holder.h"
 
 namespace thermorig::io {
 namespace {
@@ -67,10 +73,20 @@ TEST(FindAgain, OfWhatIsNotListedTakesTheName) {
   EXPECT_FALSE(choose_again(link, {}, std::nullopt, {known_gyro}));
 }
 
-TEST(FindAgain, DoesNotTrustTheNumberOfAPseudoTerminal) {
-  const KnownPort terminal{
-      "/dev/pts/3", {.path = "/dev/pts/3", .description = "", .usb_path = "", .usb_id = "", .serial = ""}};
-  EXPECT_FALSE(choose_again(terminal, {}, "/dev/pts/3", {known_gyro}));
+// As of a simulated rig that was started again, and of a shell that got its number.
+TEST(FindAgain, TakesTheNumberOfAPseudoTerminalUnlessAnotherProgramHasItOpen) {
+  const Pty pty;
+  const KnownPort port = know_port(pty.path());
+  EXPECT_EQ(find_again(port, {known_gyro}), pty.path());
+  const pid_t shell = fork();
+  if (shell == 0) {
+    if (open(pty.path().c_str(), O_RDWR | O_NOCTTY) >= 0) pause();
+    _exit(1);
+  }
+  EXPECT_TRUE(tests::comes_true([&] { return other_holder_of(pty.path()).has_value(); }));
+  EXPECT_FALSE(find_again(port, {known_gyro}));
+  kill(shell, SIGKILL);
+  waitpid(shell, nullptr, 0);
 }
 
 TEST(FindAgain, FollowsALinkToAnotherDeviceFile) {

@@ -23,13 +23,12 @@ KnownPort know_port(const std::string& name);
 /// Where the port is now, `listed` being those that exist and `named` the device file behind its name, if
 /// there is one: the same USB socket and interface and the same kind of device, under whatever name; else
 /// what its name leads to, unless that is known to be another kind of device, or the place of one of
-/// `others`. What one of those has open is never taken. None: it is not there. A pseudo terminal is found
-/// again by a link to it alone.
+/// `others`. What one of those has open is never taken. None: it is not there.
 std::optional<std::string> choose_again(const KnownPort& port, const std::vector<PortInfo>& listed,
                                         const std::optional<std::string>& named,
                                         const std::vector<KnownPort>& others);
 
-/// The same on this machine, now.
+/// The same on this machine, now. A pseudo terminal that another program has open is not it: a terminal.
 std::optional<std::string> find_again(const KnownPort& port, const std::vector<KnownPort>& others);
 
 }  // namespace thermorig::io

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/io/files/descriptor.h"
 
 namespace thermorig::files {
@@ -53,7 +54,7 @@ class SourceFile {
     if (error_number != EACCES && error_number != EPERM) refuse(std::strerror(error_number));
     throw Error(ExitCode::no_permission,
                 fmt::format("cannot read {}: {}", noun_, std::strerror(error_number)), path_.string(),
-                "see who may read it: ls -l " + path_.string());
+                "see who may read it: ls -l " + shell_word(path_.string()));
   }
 
   [[noreturn]] void refuse(const std::string& reason) const {

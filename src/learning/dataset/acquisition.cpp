@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/estimators/window_bounds.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/learning/dataset/run_estimators.h"
@@ -213,7 +214,7 @@ void require_label(const session::Session& session, Label label, const std::file
   if (session.label_version >= needed) return;
   throw Error(ExitCode::check_failed,
               fmt::format("the session is of a format that had no {}", column_of(label)), file.string(),
-              "make it again from its raw bytes: thermorig reprocess " + file.string());
+              "make it again from its raw bytes: thermorig reprocess " + shell_word(file.string()));
 }
 
 std::string name_of(const session::Session& session) {

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/learning/dataset/dataset.h"
 
 namespace thermorig::dataset {
@@ -49,8 +50,9 @@ void add_path(const fs::path& path, Found& found) {
   std::error_code hidden;  // where a folder may not be searched, opening says so
   const fs::file_status status = fs::status(path, hidden);
   if (status.type() == fs::file_type::not_found)
-    throw Error(ExitCode::bad_usage, "there is no such file or folder", path.string(),
-                "check the name: ls " + (path.has_parent_path() ? path.parent_path().string() : "."));
+    throw Error(
+        ExitCode::bad_usage, "there is no such file or folder", path.string(),
+        "check the name: ls " + shell_word(path.has_parent_path() ? path.parent_path().string() : "."));
   if (fs::is_directory(status))
     search(path, found);
   else
@@ -64,13 +66,14 @@ Found found_at(const std::vector<fs::path>& paths) {
 }
 
 [[noreturn]] void refuse_without_sessions(const fs::path& place, const std::vector<fs::path>& journals) {
-  throw Error(ExitCode::bad_usage,
-              journals.empty() ? "there is no session (.h5) in it"
-                               : "there is no session (.h5) in it, but a journal of which one can be made",
-              place.string(),
-              journals.empty()
-                  ? "record some: thermorig record --simulated --fast --environment garden --plan table-one"
-                  : "thermorig recover " + std::min_element(journals.begin(), journals.end())->string());
+  throw Error(
+      ExitCode::bad_usage,
+      journals.empty() ? "there is no session (.h5) in it"
+                       : "there is no session (.h5) in it, but a journal of which one can be made",
+      place.string(),
+      journals.empty()
+          ? "record some: thermorig record --simulated --fast --environment garden --plan table-one"
+          : "thermorig recover " + shell_word(std::min_element(journals.begin(), journals.end())->string()));
 }
 
 }  // namespace

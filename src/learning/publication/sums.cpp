@@ -8,6 +8,7 @@
 
 #include "sha256.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/learning/publication/publication.h"
 
 namespace thermorig::publication {
@@ -42,7 +43,7 @@ std::map<std::string, std::string> read_sums(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file)
     throw Error(ExitCode::bad_usage, "the folder has no check sums of a data set", path.string(),
-                "thermorig dataset build " + path.parent_path().string() + " --title TEXT");
+                "thermorig dataset build " + shell_word(path.parent_path().string()) + " --title TEXT");
   if (fs::file_size(path) > bytes_max) refuse_sums(path, "of more than 64 MiB");
   std::map<std::string, std::string> sums;
   for (std::string line; std::getline(file, line);) {

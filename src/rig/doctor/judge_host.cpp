@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "thermorig/core/printable.h"
 #include "thermorig/rig/doctor/checks.h"
 
 namespace thermorig::doctor {
@@ -49,7 +50,7 @@ Check access_failure(const PortFacts& port, const HostFacts& facts) {
     check.code = ExitCode::no_permission;
     check.result += " may not be opened by this user";
     check.advice = user_check(facts).advice;
-    if (check.advice.empty()) check.advice = "see who owns it: ls -l " + port.asked.path;
+    if (check.advice.empty()) check.advice = "see who owns it: ls -l " + shell_word(port.asked.path);
   } else if (port.holder) {
     check.code = ExitCode::no_permission;
     check.result += fmt::format(" is held by {}", *port.holder);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/printable.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/rig/recording/recording.h"
 #include "thermorig/rig/sweep/quota.h"
@@ -66,6 +67,15 @@ void say_what_interrupted(RecordingResult& result, const RecordingOutcome& outco
     result.message += "; " + text;
 }
 
+std::string losses_of(const session::Quality& quality) {
+  std::string text;
+  for (const Device device : all_devices) {
+    const std::string losses = session::losses_text(device, quality.stream[device]);
+    if (!losses.empty()) text += (text.empty() ? "" : ", ") + losses;
+  }
+  return text;
+}
+
 void say_how_it_ended(RecordingResult& result, const RecordingOutcome& outcome) {
   if (outcome.failure) {
     const bool is_held = outcome.failure->code() == ExitCode::no_permission;
@@ -84,12 +94,16 @@ void say_how_it_ended(RecordingResult& result, const RecordingOutcome& outcome) 
   } else if (result.quality.verdict == "bad") {
     result.exit = ExitCode::finished_lossy;
     result.message = "the plan was finished, but its quality is bad";
-    result.advice = "thermorig inspect " + result.session.string();
+    result.advice = "thermorig inspect " + shell_word(result.session.string());
   } else if (const auto wanting = count_short(result.speeds); wanting > 0) {
     result.exit = ExitCode::finished_lossy;
     result.message = fmt::format("the plan was finished, but {} of {} speeds have too few valid frames",
                                  wanting, result.speeds.size());
-    if (outcome.is_kept) result.advice = "thermorig inspect " + result.session.string();
+    if (outcome.is_kept) result.advice = "thermorig inspect " + shell_word(result.session.string());
+  } else if (const std::string losses = losses_of(result.quality); !losses.empty()) {
+    result.exit = ExitCode::finished_lossy;
+    result.message = "the plan was finished, but " + losses;
+    result.advice = "thermorig inspect " + shell_word(result.session.string());
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "thermorig/core/device.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/core/time.h"
 #include "thermorig/io/emergency_bytes.h"
 #include "thermorig/rig/discovery/port_loop.h"
@@ -267,7 +268,7 @@ RecordingResult PortSession::leave_journal() {
   result.state = session::State::partial;
   if (!options_.recording.keep) return result;
   result.message += "; the recording was left as a journal";
-  result.advice = "thermorig recover " + file.journal.string();
+  result.advice = "thermorig recover " + shell_word(file.journal.string());
   result.acquisition = file.acquisition;
   result.journal = file.journal;
   return result;

@@ -7,6 +7,7 @@
 
 #include "record.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/storage/journal/journal.h"
 #include "thermorig/storage/recording_header/header_json.h"
 
@@ -26,7 +27,7 @@ using Bytes = std::span<const std::uint8_t>;
   const std::string sentence = std::string(what) + ": " + std::strerror(error_number);
   if (error_number == EACCES || error_number == EPERM)
     throw Error(ExitCode::no_permission, sentence, path.string(),
-                "see who may read it: ls -l " + path.string());
+                "see who may read it: ls -l " + shell_word(path.string()));
   if (error_number != EIO) refuse(path, sentence);
   throw Error(ExitCode::storage, sentence, path.string(),
               "check the disk (dmesg), then run thermorig recover: the journal is still there");

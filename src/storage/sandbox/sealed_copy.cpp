@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/io/files/descriptor.h"
 #include "thermorig/io/files/unlinked_file.h"
 #include "thermorig/storage/sandbox/refusal.h"
@@ -38,7 +39,8 @@ constexpr std::size_t part_bytes = 1U << 20U;  // of a large copy, at a time
 [[noreturn]] void cannot_open(const fs::path& path, int error_number) {
   const std::string what = std::string("cannot be opened: ") + std::strerror(error_number);
   if (error_number != EACCES && error_number != EPERM) refuse(path, what);
-  throw Error(ExitCode::no_permission, what, path.string(), "see who may read it: ls -l " + path.string());
+  throw Error(ExitCode::no_permission, what, path.string(),
+              "see who may read it: ls -l " + shell_word(path.string()));
 }
 
 [[noreturn]] void too_large(const fs::path& path) {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <sstream>
 #include <string>
+#include <utility>
 
 namespace thermorig::session {
 
@@ -59,11 +60,9 @@ bool lost_too_many(Device device, const Quality::Stream& stream) {
 void judge_stream(Device device, const Quality::Stream& stream, Verdict& verdict) {
   if (stream.received == 0)
     return verdict.bad(fmt::format("the {} sent nothing that can be read", name_of(device)));
-  const double share = share_of(stream.lost + stream.bad, stream);
-  const auto reason =
-      fmt::format("{:.1f} % of the {}'s messages were lost or damaged", 100 * share, name_of(device));
-  if (lost_too_many(device, stream)) return verdict.bad(reason);
-  if (share > lost_share_usable) verdict.usable(reason);
+  const std::string losses = losses_text(device, stream);
+  if (losses.empty()) return;
+  lost_too_many(device, stream) ? verdict.bad(losses) : verdict.usable(losses);
 }
 
 /// A rest that a calibration asked for: there are no legs in which a frame could be valid.
@@ -82,9 +81,23 @@ void judge_samples(const Quality& quality, Verdict& verdict) {
   if (empty > 0) verdict.usable(fmt::format("{} of {} speeds have no valid frame", empty, speeds));
 }
 
+/// One that is away cannot be lost again, and an end because it stayed away is no loss of another.
+int count_losses(const std::vector<RecordingEvent>& events) {
+  PerDevice<bool> away{};
+  int losses = 0;
+  for (const RecordingEvent& event : events) {
+    const bool is_back = event.kind == EventKind::device_back;
+    if (!is_back && event.kind != EventKind::device_lost) continue;
+    const bool was_away = event.source
+                              ? std::exchange(away[*event.source], !is_back)
+                              : std::find(away.values.begin(), away.values.end(), true) != away.values.end();
+    if (!is_back && !was_away) ++losses;
+  }
+  return losses;
+}
+
 void judge_events(const Session& session, Verdict& verdict) {
-  const auto is_loss = [](const RecordingEvent& event) { return event.kind == EventKind::device_lost; };
-  const auto losses = std::count_if(session.raw.events.begin(), session.raw.events.end(), is_loss);
+  const int losses = count_losses(session.raw.events);
   if (losses == 1) verdict.usable("a device was lost once");
   if (losses > 1) verdict.usable(fmt::format("devices were lost {} times", losses));
   if (session.state == State::recovered) verdict.usable("recovered after the recorder was cut short");
@@ -100,7 +113,8 @@ std::string why_uncertain(const Session& session, Device device) {
       clock.wander_ppm);
 }
 
-/// Links that are slower than the profile says: the bounds have room for it.
+/// Links that are slower than the profile says. The bounds have room for it, so up to that limit it is no
+/// more than what each hub brings, and stands among the bounds.
 void judge_links(const Session& session, Verdict& verdict) {
   std::string names;
   double delay_s = 0.0;
@@ -111,11 +125,9 @@ void judge_links(const Session& session, Verdict& verdict) {
     names += (names.empty() ? "" : " and the ") + std::string(name_of(device));
     delay_s = clock.largest_constant_delay_s;
   }
-  if (!names.empty())
-    verdict.usable_or_remark(
-        delay_s > link_delay_usable_s,
-        fmt::format("the times of the {} may be late by {:.1f} ms: is there a USB hub, or a busy port?",
-                    names, 1e3 * delay_s));
+  if (delay_s > link_delay_usable_s)
+    verdict.usable(fmt::format("the times of the {} may be up to {:.1f} ms late; a USB hub can cause this",
+                               names, 1e3 * delay_s));
 }
 
 /// A clock that could not be fitted is one that too little was heard of: the streams say so already.
@@ -253,6 +265,12 @@ void judge_epochs(const Session& session, Verdict& verdict) {
 }
 
 }  // namespace
+
+std::string losses_text(Device device, const Quality::Stream& stream) {
+  const double share = share_of(stream.lost + stream.bad, stream);
+  if (!(share > lost_share_usable)) return "";
+  return fmt::format("{:.1f} % of the {}'s messages were lost or damaged", 100 * share, name_of(device));
+}
 
 bool is_for_calibration(const RecordingHeader& header) {
   return header.plan_toml.find("\nfor_calibration = true\n") != std::string::npos;

@@ -21,6 +21,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/core/frame.h"
 #include "thermorig/core/image_bytes.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/storage/view/session_view.h"
 
 namespace thermorig::view {
@@ -235,7 +236,7 @@ class SessionPacker {
 
   [[noreturn]] void refuse() const {
     throw Error(ExitCode::failed, "what is known of this session takes more room than a page in a file has",
-                path_.string(), "thermorig view " + path_.string());
+                path_.string(), "thermorig view " + shell_word(path_.string()));
   }
 
   /// Its texts need no escapes.

@@ -77,6 +77,10 @@ struct Quality {
 };
 Quality quality_of(const Session& session);
 
+/// "17.5 % of the camera's messages were lost or damaged"; empty of a stream that lost no more than a good
+/// session may.
+std::string losses_text(Device device, const Quality::Stream& stream);
+
 /// "complete", "recovered" or "partial".
 std::string name_of(State state);
 
