@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "existing_file.h"
 #include "print/output.h"
 #include "thermorig/rig/recording/finalise.h"
 
@@ -90,6 +91,9 @@ void print_text(const std::filesystem::path& path, const std::vector<RecoveryRes
 }  // namespace
 
 ExitCode run(const RecoverOptions& options) {
+  std::error_code hidden;  // a journal may be gone, and its session there; a link leads somewhere
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(options.path, hidden)))
+    require_existing(options.path);
   const std::vector<RecoveryResult> results = rig::recover(options.path);
   if (options.json) {
     nlohmann::json list = nlohmann::json::array();

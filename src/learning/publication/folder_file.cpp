@@ -49,7 +49,8 @@ Descriptor open_folder(const fs::path& folder) {
 }  // namespace
 
 std::vector<FolderPath> sessions_in(const fs::path& folder) {
-  if (!fs::is_directory(folder))
+  std::error_code hidden;  // what is no folder, whatever it is
+  if (!fs::is_directory(folder, hidden))
     throw Error(ExitCode::bad_usage, "is no folder", folder.string(), "name the folder of the data set");
   std::vector<FolderPath> found;
   std::error_code failure;
@@ -64,36 +65,35 @@ std::vector<FolderPath> sessions_in(const fs::path& folder) {
 }
 
 FolderFile::FolderFile(const fs::path& folder, const std::string& path) : path_(folder / path) {
-  Descriptor at = open_folder(folder);
+  file_ = open_folder(folder);
   const fs::path within(path);
-  for (auto part = within.begin(); part != within.end(); ++part) {
-    const bool is_last = std::next(part) == within.end();
-    struct stat info {};
-    // Looked at before it is opened: opening a pipe waits, and opening a port moves its lines.
-    if (::fstatat(at.get(), part->c_str(), &info, AT_SYMLINK_NOFOLLOW) != 0) {
-      is_missing_ = errno == ENOENT || errno == ENOTDIR;
-      problem_ = is_missing_ ? "is missing" : std::string("cannot be read: ") + std::strerror(errno);
-    } else if (S_ISLNK(info.st_mode)) {
-      problem_ = is_link;
-    } else if (is_last ? !S_ISREG(info.st_mode) : !S_ISDIR(info.st_mode)) {
-      problem_ = is_no_file;
-    }
-    if (!problem_.empty()) return;
-    const int kind = is_last ? O_NONBLOCK | O_NOCTTY : O_DIRECTORY;
-    Descriptor next(::openat(at.get(), part->c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | kind));
-    if (!next && (errno == EACCES || errno == EPERM))
-      throw Error(ExitCode::no_permission, std::string("cannot be read: ") + std::strerror(errno),
-                  path_.string(), "see who may read it: ls -l " + path_.string());
-    if (!next || ::fstat(next.get(), &info) != 0 || (is_last && !S_ISREG(info.st_mode))) {
-      problem_ = "became another file meanwhile";
-      return;
-    }
-    bytes_ = static_cast<std::uint64_t>(info.st_size);
-    at = std::move(next);
-  }
+  for (auto part = within.begin(); part != within.end() && problem_.empty(); ++part)
+    step_into(*part, std::next(part) == within.end());
   if (bytes_ > static_cast<std::uint64_t>(sandbox::SealedCopy::bytes_max))
     problem_ = "is larger than any session: 4 GiB";
-  file_ = std::move(at);
+}
+
+void FolderFile::step_into(const fs::path& name, bool is_last) {
+  struct stat info {};
+  // Looked at before it is opened: opening a pipe waits, and opening a port moves its lines.
+  if (::fstatat(file_.get(), name.c_str(), &info, AT_SYMLINK_NOFOLLOW) != 0) {
+    is_missing_ = errno == ENOENT || errno == ENOTDIR;
+    problem_ = is_missing_ ? "is missing" : std::string("cannot be read: ") + std::strerror(errno);
+  } else if (S_ISLNK(info.st_mode)) {
+    problem_ = is_link;
+  } else if (is_last ? !S_ISREG(info.st_mode) : !S_ISDIR(info.st_mode)) {
+    problem_ = is_no_file;
+  }
+  if (!problem_.empty()) return;
+  const int kind = is_last ? O_NONBLOCK | O_NOCTTY : O_DIRECTORY;
+  Descriptor next(::openat(file_.get(), name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | kind));
+  if (!next && (errno == EACCES || errno == EPERM))
+    throw Error(ExitCode::no_permission, std::string("cannot be read: ") + std::strerror(errno),
+                path_.string(), "see who may read it: ls -l " + path_.string());
+  if (!next || ::fstat(next.get(), &info) != 0 || (is_last && !S_ISREG(info.st_mode)))
+    problem_ = "became another file meanwhile";
+  bytes_ = is_last ? static_cast<std::uint64_t>(info.st_size) : 0;
+  file_ = std::move(next);
 }
 
 void FolderFile::read(std::uint64_t offset, std::span<std::byte> out) const {

@@ -42,8 +42,10 @@ class FolderFile {
   sandbox::SealedCopy copy() const;
 
  private:
+  void step_into(const std::filesystem::path& name, bool is_last);
+
   std::filesystem::path path_;
-  files::Descriptor file_;
+  files::Descriptor file_;  // a folder on the way, until it is the file
   std::uint64_t bytes_ = 0;
   std::string problem_;
   bool is_missing_ = false;

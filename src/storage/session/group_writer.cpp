@@ -96,7 +96,9 @@ void plot_as(hid_t group, const std::string& signal, const std::vector<std::stri
 
 GroupWriter::GroupWriter(hid_t file, const std::string& path, ChunkWriter& chunks, HostTime reference)
     : path_(path),
-      group_(H5Gcreate2(file, path.c_str(), H5P_DEFAULT, group_properties().get(), H5P_DEFAULT),
+      group_(H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0
+                 ? H5Gopen2(file, path.c_str(), H5P_DEFAULT)
+                 : H5Gcreate2(file, path.c_str(), H5P_DEFAULT, group_properties().get(), H5P_DEFAULT),
              "create " + path),
       chunks_(chunks),
       reference_(reference) {}

@@ -64,11 +64,11 @@ class ImageBuilder {
 
   SessionImage build(const std::vector<StoredAttribute>& added) {
     write_root_attributes(file_.get(), session_);
+    make_groups();
     // First what all the rest can be made of again, so that it is in whatever a cut copy still holds; and
     // the camera, most of it, last: its first frames are of use if everything else is there.
     if (!session_.annotations.empty()) write_annotations();
     write_events();
-    group("/raw");
     write_sent();
     write_received(Device::servo);
     write_received(Device::gyro);
@@ -94,6 +94,15 @@ class ImageBuilder {
   }
 
  private:
+  /// In the order in which people look for them, which viewers show.
+  void make_groups() {
+    for (const char* path : {"/camera", "/gyro", "/servo", "/sync", "/samples"}) group(path);
+    if (!session_.raw.estimates.empty()) group("/estimates");
+    group("/events");
+    if (!session_.annotations.empty()) group("/annotations");
+    for (const char* path : {"/environment", "/rig", "/quality", "/raw"}) group(path);
+  }
+
   GroupWriter group(const char* path) {
     return GroupWriter(file_.get(), path, chunks_, session_.raw.header.time_reference);
   }
