@@ -175,10 +175,12 @@ TEST_F(SessionCommands, RecoverMakesASessionOfOneThatWasCutShort) {
   const auto size = fs::file_size(whole);
   fs::copy_file(whole, cut);
   fs::resize_file(cut, size * 3 / 4);
-  const Outcome refused = run("inspect " + cut.string());
-  EXPECT_EQ(refused.code, 8);
-  EXPECT_THAT(refused.err, HasSubstr("was cut short: "));
-  EXPECT_THAT(refused.err, HasSubstr("thermorig recover"));
+  for (const char* command : {"inspect ", "view ", "train ", "list ", "export --csv "}) {
+    const Outcome refused = run(command + cut.string());
+    EXPECT_EQ(refused.code, 8) << command;
+    EXPECT_THAT(refused.err, HasSubstr("was cut short: ")) << command;
+    EXPECT_THAT(refused.err, HasSubstr("thermorig recover " + cut.string())) << command;
+  }
   for (int again = 0; again < 2; ++again) {  // the second time it is there already
     const Outcome outcome = run("recover " + cut.string());
     EXPECT_EQ(outcome.code, 3) << outcome.err;

@@ -63,6 +63,7 @@ const std::vector<Opener>& openers() {
       {"live --simulated --fast --no-page --speeds 40 --model X", of_one_session},
       {"recover X", {8, 8, 0, 2, 2, 8, 6}},
       {"dataset verify X", {2, 2, 2, 2, 2, 2, 2}},
+      {"decode X --device gyro", {2, 2, 2, 2, 2, 4, 6}},
       {"record --fast --simulated -e garden --plan ./X", of_settings},
       {"record --fast --simulated -e garden --rig ./X", of_settings},
       {"doctor --rig ./X", of_settings}};
@@ -78,6 +79,7 @@ class SpecialFiles : public ProgramTest {
       const std::string name = std::string(kind.name) + ".h5";
       std::string words = opener.words;
       words.replace(words.find('X'), 1, name);
+      if (words.starts_with("decode") && kind.name == std::string("pipe")) continue;  // waits for who writes
       const Outcome outcome = run(words + " < /dev/null");
       EXPECT_EQ(outcome.code, opener.codes[i]) << words << "\n" << outcome.err;
       if (opener.codes[i] == 0) continue;

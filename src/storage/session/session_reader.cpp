@@ -26,7 +26,6 @@
 #include "sync_attributes.h"
 #include "sync_columns.h"
 #include "tasks.h"
-#include "thermorig/core/count_text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/wire/counter_names.h"
 #include "thermorig/storage/recording_header/header_json.h"
@@ -57,13 +56,6 @@ std::optional<FormatVersion> version_of(const std::string& text) {
   return version;
 }
 
-/// As a copy to a full disk, or a download that broke off, leaves them.
-[[noreturn]] void refuse_cut(const fs::path& path, std::uint64_t bytes, std::uint64_t whole) {
-  throw Error(ExitCode::not_a_session,
-              fmt::format("was cut short: {} of {} bytes are there", count_text(bytes), count_text(whole)),
-              path.string(), "copy it again; if this is all there is: thermorig recover, and its name");
-}
-
 /// A session file that has shown its format; gives access to its groups.
 class SessionFile {
  public:
@@ -75,8 +67,7 @@ class SessionFile {
     facts_.bytes = copy.bytes().size();
     facts_.bytes_there = bytes_there.value_or(facts_.bytes);
     if (copy.bytes().empty()) sandbox::refuse(path, "is empty");
-    if (const std::uint64_t whole = stated_end(copy.bytes()); whole > facts_.bytes)
-      refuse_cut(path, facts_.bytes, whole);
+    require_whole(copy);
     file_ = open_file_image(copy.bytes(), "open it as HDF5");
     require_nothing_behind();
     if (!has_attribute(id(), "format") || get_text_attribute(id(), "format") != format_name)

@@ -11,6 +11,7 @@
 #include "file_image.h"
 #include "tasks.h"
 #include "thermorig/core/count_text.h"
+#include "thermorig/core/error.h"
 #include "thermorig/storage/sandbox/refusal.h"
 #include "thermorig/storage/sandbox/sandbox.h"
 
@@ -65,11 +66,13 @@ sandbox::SealedCopy tried_copy(const std::filesystem::path& path) {
 }
 
 sandbox::SealedCopy tried(sandbox::SealedCopy copy) {
+  require_whole(copy);
   if (sandbox::is_started()) sandbox::require_done(sandbox::ask(copy, reading), copy);
   return copy;
 }
 
 void require_readable(const sandbox::SealedCopy& copy) {
+  require_whole(copy);
   if (!sandbox::is_started()) return read_for_nothing(copy);
   sandbox::require_done(sandbox::ask(copy, reading), copy);
 }
@@ -99,6 +102,15 @@ Salvaged salvage(const sandbox::SealedCopy& copy) {
 
 bool is_cut_short(const sandbox::SealedCopy& copy) {
   return stated_end(copy.bytes()) > copy.bytes().size();
+}
+
+void require_whole(const sandbox::SealedCopy& copy) {
+  if (!is_cut_short(copy)) return;
+  throw Error(ExitCode::not_a_session,
+              fmt::format("was cut short: {} of {} bytes are there", count_text(copy.bytes().size()),
+                          count_text(stated_end(copy.bytes()))),
+              copy.path().string(),
+              "copy it again; if this is all there is: thermorig recover " + copy.path().string());
 }
 
 std::vector<std::string> altered_attributes(const sandbox::SealedCopy& copy) {

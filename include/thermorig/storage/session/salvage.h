@@ -20,6 +20,9 @@ struct Salvaged {
 /// Does the file end before the end that it states?
 bool is_cut_short(const sandbox::SealedCopy& copy);
 
+/// Throws Error(not_a_session) if it does: how much is there, and how to make something of that.
+void require_whole(const sandbox::SealedCopy& copy);
+
 /// Header and raw bytes as far as they are there: each stream up to its first chunk that is not. What
 /// describes a file stands at its front, and raw bytes, which everything else can be made of, behind that;
 /// files of programs before that order have them at their end. Nothing but the check sums of chunks says that
