@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <filesystem>
+#include "thermorig/io/files/existing.h"
 
 namespace thermorig::app {
 
-/// Throws Error(bad_usage) if there is nothing at `path`: the same words and code for every command.
-void require_existing(const std::filesystem::path& path);
+using files::require_existing;
 
 }  // namespace thermorig::app

@@ -69,11 +69,13 @@ int main(int argc, char** argv) {
   } catch (const Error& error) {
     return app::report(error, json);
   } catch (const std::filesystem::filesystem_error& error) {
-    const bool forbidden = error.code() == std::errc::permission_denied;
-    return app::report(
-        Error(forbidden ? ExitCode::no_permission : ExitCode::storage, error.code().message(),
-              error.path1().string(), "see what is there: ls -l " + shell_word(error.path1().string())),
-        json);
+    const ExitCode code = error.code() == std::errc::permission_denied ? ExitCode::no_permission
+                          : error.code() == std::errc::too_many_symbolic_link_levels
+                              ? ExitCode::bad_usage  // a link that leads in a circle
+                              : ExitCode::storage;
+    return app::report(Error(code, error.code().message(), error.path1().string(),
+                             "see what is there: ls -l " + shell_word(error.path1().string())),
+                       json);
   } catch (const std::bad_alloc&) {
     return app::report(Error(ExitCode::failed, "there is not enough memory", "", "close other programs"),
                        json);

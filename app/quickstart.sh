@@ -13,6 +13,7 @@ bash app/setup.sh
 cmake --preset "${THERMORIG_PRESET:-release}" -B "$build" -DTHERMORIG_TESTS=OFF >/dev/null
 cmake --build "$build" -j "$(nproc)"
 
-"$build"/bin/thermorig record --simulated=4 --environment laboratory --plan quick --output "$recordings"
-session=$(ls -t "$recordings"/laboratory/*.h5 | head -n 1)
-"$build"/bin/thermorig inspect "$session"
+# Its own session, whatever else lies there: the one that it names. What it prints is seen as well.
+session=$("$build"/bin/thermorig record --simulated=4 --environment laboratory --plan quick --output "$recordings" |
+  tee >(cat >&2) | sed -n 's/^session  *//p')
+"$build"/bin/thermorig inspect "$recordings/laboratory/$(basename "$session")"

@@ -37,9 +37,19 @@ if ! command -v apt-get >/dev/null; then
   echo "These packages (Debian's names) are missing; install them and run this again: ${missing[*]}" >&2
   exit 1
 fi
+refuse() {
+  echo "setup.sh: $1" >&2
+  echo "  try: $2; or let somebody who may install them, as root:" >&2
+  echo "  apt-get install --no-remove --no-install-recommends ${missing[*]}" >&2
+  exit 1
+}
 as_root=()
-[ "$(id -u)" -eq 0 ] || as_root=(sudo)
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || refuse "packages are missing, and there is no sudo to install them" "run it as root"
+  as_root=(sudo)
+fi
 echo "Installing: ${missing[*]}"
 export DEBIAN_FRONTEND=noninteractive
-"${as_root[@]}" apt-get update -qq
-"${as_root[@]}" apt-get install -y -qq --no-remove --no-install-recommends "${missing[@]}" >/dev/null
+"${as_root[@]}" apt-get update -qq || refuse "apt-get update failed" "check the network, and that sudo lets you"
+"${as_root[@]}" apt-get install -y -qq --no-remove --no-install-recommends "${missing[@]}" >/dev/null ||
+  refuse "apt-get install failed" "read what it says above"

@@ -25,12 +25,8 @@ live::LiveScores scores_of(const std::vector<EstimateRow>& rows, const Recording
   return scorer.scores();
 }
 
-/// Nothing for a session that is not of a live run.
-std::optional<LiveEvaluation> evaluate(const fs::path& path, bool accept_bad) {
-  const session::Session session = session::read_session(path);
+LiveEvaluation evaluate(const session::Session& session, const fs::path& path) {
   const RawRecording& raw = session.raw;
-  if (raw.estimates.empty()) return std::nullopt;
-  if (const auto bad = dataset::bad_session(session, path)) require_good({*bad}, accept_bad);
   const network::Acquisition finished = dataset::acquisition_of(session, path.string());
   LiveEvaluation evaluated{.session = path.string(), .header = raw.header};
   const session::Place place = session::place_of(session);
@@ -49,10 +45,6 @@ std::optional<LiveEvaluation> evaluate(const fs::path& path, bool accept_bad) {
               "model.onnx SESSION");
 }
 
-bool is_named(const fs::path& file, const std::vector<fs::path>& paths) {
-  return std::find(paths.begin(), paths.end(), file) != paths.end();
-}
-
 void tell(const LiveEvaluation& evaluated, bool first, bool json) {
   if (json)
     print_json(live_json(evaluated));
@@ -64,16 +56,31 @@ void tell(const LiveEvaluation& evaluated, bool first, bool json) {
 
 ExitCode evaluate_live(const EvaluateOptions& options) {
   std::size_t told = 0;
+  dataset::Acquisitions left_out;
   for (const fs::path& file : dataset::find_sessions(options.paths)) {
-    const std::optional<LiveEvaluation> evaluated = evaluate(file, options.accept_bad);
-    if (!evaluated && is_named(file, options.paths))
-      refuse_evaluation("the session has no /estimates: it is not of a live run", file.string());
-    if (!evaluated) continue;  // found in a folder, beside others
-    tell(*evaluated, told == 0, options.json);
+    const session::Session session = session::read_session(file);
+    const bool named = is_named(file, options.paths);
+    if (session.raw.estimates.empty()) {
+      if (named) refuse_evaluation("the session has no /estimates: it is not of a live run", file.string());
+      continue;  // found in a folder, beside others
+    }
+    if (auto bad = dataset::bad_session(session, file); bad && !options.accept_bad) {
+      if (named) require_good({*bad}, false);
+      left_out.left_out.push_back(std::move(*bad));
+      continue;
+    }
+    tell(evaluate(session, file), told == 0, options.json);
     ++told;
   }
+  if (told == 0) require_good(left_out.left_out, false);
   if (told == 0) refuse_evaluation("none of the sessions has /estimates: none is of a live run", "");
-  if (options.json) print_json({{"event", "summary"}, {"exit_code", 0}, {"sessions", told}});
+  if (!options.json) {
+    tell_left_out(left_out.left_out);
+    return ExitCode::ok;
+  }
+  nlohmann::json summary{{"event", "summary"}, {"exit_code", 0}, {"sessions", told}};
+  add_choice_to(summary, left_out);
+  print_json(summary);
   return ExitCode::ok;
 }
 

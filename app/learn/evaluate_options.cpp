@@ -122,7 +122,7 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
       "Beside the errors of a model and of all estimators what the images of each window tell at "
       "best (Cramer-Rao bound)");
   command.add_flag("--accept-bad", options.accept_bad,
-                   "Take sessions whose verdict is bad; without it one of these is refused");
+                   "Take bad sessions; without it those of a folder are left out");
   add_json(command, options.json);
   add_frame_memory(command, options.frame_memory, "Options");
   add_study_words(command, options);

@@ -18,7 +18,10 @@ namespace fs = std::filesystem;
 
 dataset::Acquisitions read_files(const std::vector<fs::path>& files, const SessionOptions& options) {
   ReadingProgress progress(options.json, ReadingProgress::Elsewhere::lines);
-  return dataset::read_acquisitions(files, std::ref(progress), options.label, options.store);
+  const auto leaves_out = [&](const fs::path& file) {
+    return !options.accept_bad && !is_named(file, options.paths);
+  };
+  return dataset::read_acquisitions(files, std::ref(progress), options.label, options.store, leaves_out);
 }
 
 std::vector<std::string> files_of(const std::vector<dataset::BadSession>& bad) {
@@ -43,17 +46,35 @@ std::string some_of(const std::vector<std::string>& files) {
 void tell_choice(const dataset::Acquisitions& data) {
   if (!data.for_calibration.empty())
     print("left out, recorded for calibrations: {}\n", some_of(strings_of(data.for_calibration)));
+  tell_left_out(data.left_out);
   if (!data.bad.empty()) print("bad, but accepted: {}\n", some_of(files_of(data.bad)));
 }
 
 void require_any(const dataset::Acquisitions& data) {
   if (!data.acquisitions.empty()) return;
+  require_good(data.left_out, false);
   throw Error(ExitCode::bad_usage, "was recorded for a calibration, and there is no other session",
               data.for_calibration.front().string(),
               "record some to learn from: thermorig record --environment NAME");
 }
 
 }  // namespace
+
+bool is_named(const fs::path& file, const std::vector<fs::path>& paths) {
+  return std::any_of(paths.begin(), paths.end(), [&](const fs::path& path) {
+    std::error_code hidden;
+    return fs::equivalent(path, file, hidden);
+  });
+}
+
+void tell_left_out(const std::vector<dataset::BadSession>& bad) {
+  constexpr std::size_t most = 3;
+  for (std::size_t i = 0; i < std::min(most, bad.size()); ++i)
+    print("left out, verdict bad: {}\n  {}\n", printable(bad[i].file.string()),
+          printable(fmt::format("{}", fmt::join(bad[i].reasons, "; "))));
+  if (bad.size() > most) print("left out, verdict bad: {} more\n", bad.size() - most);
+  if (!bad.empty()) print("  (--accept-bad takes them)\n");
+}
 
 void require_good(const std::vector<dataset::BadSession>& bad, bool accepted) {
   if (bad.empty() || accepted) return;
@@ -80,7 +101,9 @@ void run_estimators(dataset::Acquisitions& data, bool json, const dataset::IsWan
 }
 
 void add_choice_to(nlohmann::json& object, const dataset::Acquisitions& data) {
-  object["left_out"] = strings_of(data.for_calibration);
+  std::vector<std::string> left_out = strings_of(data.for_calibration);
+  for (std::string& file : files_of(data.left_out)) left_out.push_back(std::move(file));
+  object["left_out"] = left_out;
   object["bad"] = files_of(data.bad);
 }
 

@@ -13,21 +13,28 @@ namespace thermorig::app {
 /// Which sessions are read, and how that is told.
 struct SessionOptions {
   const std::vector<std::filesystem::path>& paths;  // files, or folders that hold them
-  bool accept_bad = false;                          // a verdict "bad" is no reason to refuse
+  bool accept_bad = false;                          // a verdict "bad" is no reason against one
   bool json = false;                                // nothing is printed
   Label label = Label::commanded;
   dataset::FrameStore* store = nullptr;  // takes pixels as soon as they are read
 };
 
-/// Reads the sessions that the paths name, telling on a terminal how far it is. Says in a line which were
-/// left out, since they were recorded for calibrations, and which are bad, but were accepted. Throws as
-/// dataset does, Error(check_failed) for a bad one, Error(bad_usage) where all are for calibrations.
+/// Reads the sessions that the paths name, telling on a terminal how far it is. Says which were left out,
+/// since they were recorded for calibrations, or are bad and were found in a folder; and which are bad, but
+/// were accepted. Throws as dataset does, Error(check_failed) for a bad one that is named itself or where no
+/// other is left, Error(bad_usage) where all are for calibrations.
 dataset::Acquisitions read_data(const SessionOptions& options);
 
 /// Runs the estimators that need no network over the sessions that are wanted, telling on a terminal how
 /// far it is. Throws as dataset::run_estimators_over().
 void run_estimators(dataset::Acquisitions& data, bool json, const dataset::IsWanted& is_wanted,
                     int bound_frames = 0);
+
+/// Is the file one of these paths, and not only in a folder that one of them is?
+bool is_named(const std::filesystem::path& file, const std::vector<std::filesystem::path>& paths);
+
+/// Names sessions that were found in a folder and left out, and why.
+void tell_left_out(const std::vector<dataset::BadSession>& bad);
 
 /// Throws Error(check_failed), naming the first of the bad sessions, unless they are accepted.
 void require_good(const std::vector<dataset::BadSession>& bad, bool accepted);

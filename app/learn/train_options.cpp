@@ -97,7 +97,7 @@ void add_train(CLI::App& root, TrainOptions& options) {
   add_frame_memory(command, options.frame_memory, "Options");
   command.add_flag("--resume", options.resume, "Go on with the run in that folder");
   command.add_flag("--accept-bad", options.accept_bad,
-                   "Take sessions whose verdict is bad; without it one of these is refused");
+                   "Take bad sessions; without it those of a folder are left out");
   add_json(command, options.json);
   command.footer(
       "Examples:\n"

@@ -15,10 +15,15 @@ std::string words_of(const Annotation& annotation) {
     case AnnotationKind::environment:
       return fmt::format("{}: belongs to {}, acquisition {}", day, annotation.text, annotation.acquisition);
     case AnnotationKind::exclusion:
-      return fmt::format("{}: frames from {} to {} s are excluded{}{}", day, annotation.begin_s,
-                         annotation.end_s, annotation.text.empty() ? "" : ": ", annotation.text);
+      return fmt::format("{}: {}", day, exclusion_text(annotation));
   }
   return fmt::format("{}: {}", day, annotation.text);
+}
+
+std::string exclusion_text(const Annotation& annotation) {
+  const std::string frames =
+      annotation.is_of_all() ? "all frames" : fmt::format("{}..{} s", annotation.begin_s, annotation.end_s);
+  return fmt::format("{} excluded{}{}", frames, annotation.text.empty() ? "" : ": ", annotation.text);
 }
 
 nlohmann::json annotation_json(const Annotation& annotation) {

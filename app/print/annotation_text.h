@@ -8,9 +8,12 @@
 
 namespace thermorig::app {
 
-/// "2026-11-23: frames from 12.5 to 14 s are excluded: a hand in the image". As the file has it: to be made
+/// "2026-11-23: 12.5..14 s excluded: a hand in the image". As the file has it: to be made
 /// printable().
 std::string words_of(const Annotation& annotation);
+
+/// Of an exclusion, without its day: "12.5..14 s excluded: a hand in the image".
+std::string exclusion_text(const Annotation& annotation);
 
 /// `kind, made_utc`, and what belongs to the kind: `text`; `environment, acquisition`; `begin_s, end_s,
 /// text`.

@@ -75,12 +75,6 @@ void print_json(const nlohmann::json& object) {
   flush_output();
 }
 
-std::string count_text(std::uint64_t count) {
-  std::string text = std::to_string(count);
-  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, ',');
-  return text;
-}
-
 std::string duration_text(double seconds) {
   if (!(seconds >= 0)) return "-";
   if (seconds < 59.95) return fmt::format("{:.1f} s", seconds);

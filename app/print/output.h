@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "thermorig/core/count_text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
 
@@ -65,8 +66,7 @@ std::string json_line(const nlohmann::json& object);
 /// One object on one line of standard output, flushed.
 void print_json(const nlohmann::json& object);
 
-// Numbers for people.
-std::string count_text(std::uint64_t count);                   // 12,345
+// Numbers for people, beside count_text().
 std::string duration_text(double seconds);                     // 0.8 s, 31.2 s, 12 min 3 s, 1 h 47 min
 std::string gap_text(double seconds);                          // 4 ms, 126 ms, 2.5 s
 std::string bytes_text(std::uint64_t bytes);                   // 940 B, 6.3 MB

@@ -36,11 +36,13 @@ double seconds_in(std::string_view text) {
   return seconds;
 }
 
-/// "12.5..14.0".
+/// "12.5..14.0", or "all".
 void read_span(const std::string& text, Annotation& annotation) {
+  if (text == "all") return annotation.set_all();
   const std::size_t middle = text.find("..");
   if (middle == std::string::npos)
-    refuse_words(fmt::format("--exclude: \"{}\" is not of the form A..B", text), "--exclude 12.5..14.0");
+    refuse_words(fmt::format("--exclude: \"{}\" is not of the form A..B", text),
+                 "--exclude 12.5..14.0, or --exclude all");
   annotation.begin_s = seconds_in(std::string_view(text).substr(0, middle));
   annotation.end_s = seconds_in(std::string_view(text).substr(middle + 2));
 }

@@ -18,7 +18,7 @@ void add_annotate(CLI::App& root, AnnotateOptions& options) {
   CLI::Option* exclude =
       kinds
           .add_option("--exclude", options.exclude,
-                      "Frames exposed from A to B, in seconds since its start, are not to be trusted")
+                      "Do not trust frames exposed from A to B, in seconds since its start; or all")
           ->type_name("A..B");
   kinds.add_flag("--undo", options.undo, "Take the last annotation back");
   kinds.require_option(1);

@@ -11,6 +11,7 @@
 #include "print/number_json.h"
 #include "print/output.h"
 #include "print/reading_progress.h"
+#include "thermorig/core/code_point.h"
 #include "thermorig/io/files/whole_file.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
@@ -42,7 +43,18 @@ bool is_date(const std::string& text) {
       .ok();
 }
 
+/// JSON and YAML hold nothing else.
+void require_utf8(const DatasetOptions& options) {
+  std::vector<std::string> words = options.authors;
+  words.insert(words.end(),
+               {options.title, options.description, options.licence, options.version, options.url});
+  for (const std::string& text : words)
+    if (!is_utf8(text))
+      throw Error(ExitCode::bad_usage, "is not UTF-8: " + printable(text), "", "locale (of the terminal)");
+}
+
 publication::Terms terms_of(const DatasetOptions& options) {
+  require_utf8(options);
   const std::string today = io::utc_text(io::now(), io::realtime_offset_ns()).substr(0, 10);
   if (!options.date.empty() && !is_date(options.date))
     throw Error(ExitCode::bad_usage, "--date is no day of the form 2026-11-23", "", "--date " + today);
@@ -55,14 +67,18 @@ publication::Terms terms_of(const DatasetOptions& options) {
           .date = options.date.empty() ? today : options.date};
 }
 
-void require_absent(const DatasetOptions& options, const std::vector<Description>& descriptions) {
-  if (options.replace) return;
+/// Of descriptions that are there only files are written over, and only where that is asked for.
+void require_writable(const DatasetOptions& options, const std::vector<Description>& descriptions) {
   for (const Description& description : descriptions) {
     const fs::path path = options.folder / description.name;
     std::error_code hidden;
-    if (fs::exists(fs::symlink_status(path, hidden)))
+    const fs::file_status status = fs::symlink_status(path, hidden);
+    if (fs::exists(status) && !options.replace)
       throw Error(ExitCode::storage, "it exists already", path.string(),
                   "--replace writes over the descriptions");
+    if (fs::exists(status) && !fs::is_regular_file(status))
+      throw Error(ExitCode::storage, "its place is taken by what is no file: a link, a folder, a device",
+                  path.string(), "move it away");
   }
 }
 
@@ -71,7 +87,7 @@ ExitCode build(const DatasetOptions& options) {
   const std::vector<Entry> entries = read_entries(options);
   std::vector<Description> descriptions = publication::describe(terms, entries);
   descriptions.push_back({publication::sums_name, publication::sums_text(entries, descriptions)});
-  require_absent(options, descriptions);
+  require_writable(options, descriptions);
   for (const Description& description : descriptions)
     files::write_whole(options.folder / description.name, description.text,
                        "the description of the data set");

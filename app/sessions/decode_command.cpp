@@ -67,7 +67,11 @@ int keep_open(std::FILE*) {
 
 std::unique_ptr<std::FILE, int (*)(std::FILE*)> open_source(const std::string& path) {
   if (path == "-") return {stdin, keep_open};
-  if (std::filesystem::is_directory(path)) refuse_to_read(path, EISDIR);
+  const std::filesystem::file_status status = std::filesystem::status(path);
+  if (std::filesystem::is_directory(status)) refuse_to_read(path, EISDIR);
+  if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status))
+    throw Error(ExitCode::bad_usage, "this is a device, not a dump", path,
+                "thermorig ports reads what is plugged in; - stands for standard input");
   std::FILE* file = std::fopen(path.c_str(), "rb");
   if (file == nullptr) refuse_to_read(path, errno);
   return {file, std::fclose};

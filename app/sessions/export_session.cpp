@@ -44,6 +44,11 @@ class SessionExport {
  public:
   explicit SessionExport(const ExportOptions& options)
       : options_(options), session_(session::read_session(options.file)) {
+    if ((options.tum || options.mcap) && !interchange::has_unix_times(session_.raw))
+      throw Error(ExitCode::check_failed,
+                  fmt::format("its clock said {}, and times before 1970 and after 2262 cannot be written so",
+                              session_.raw.header.start_time_utc),
+                  options.file.string(), "--csv or --npz=rows, whose times count from its start");
     if (options.npz) add_npz();
     if (options.csv) add_csv();
     if (options.tum) add_tum();

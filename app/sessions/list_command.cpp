@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "commands.h"
+#include "print/annotation_text.h"
 #include "print/error_output.h"
 #include "print/inspect_text.h"
 #include "print/number_json.h"
@@ -102,8 +103,12 @@ std::string date_text(const std::string& start_time_utc) {
   return text;
 }
 
-std::string notes_text(const std::vector<std::string>& notes) {
+/// Exclusions first: who trains looks for what is missing.
+std::string notes_text(const ListedSession& session) {
   constexpr std::size_t most = 48;
+  std::vector<std::string> notes;
+  for (const Annotation& exclusion : session.exclusions) notes.push_back(exclusion_text(exclusion));
+  notes.insert(notes.end(), session.notes.begin(), session.notes.end());
   std::string text = printable(fmt::format("{}", fmt::join(notes, "; ")));
   if (text.size() <= most) return text;
   std::size_t end = most - 3;
@@ -120,7 +125,7 @@ Table table_of(const std::vector<ListedSession>& sessions) {
     table.add({session.place.environment, std::to_string(session.place.acquisition),
                date_text(header.start_time_utc), header.plan_name, session.quality.verdict, rig_text(session),
                count_text(session.quality.valid), count_text(session.quality.swept), session.file.string(),
-               notes_text(session.notes)});
+               notes_text(session)});
   }
   return table;
 }
@@ -166,10 +171,13 @@ std::string totals_of(const std::vector<ListedSession>& sessions) {
   std::uint64_t valid = 0;
   for (const ListedSession& session : sessions) valid += session.quality.valid;
   const std::size_t count = count_of(sessions, [](const auto&) { return true; });
+  const std::size_t excluded =
+      count_of(sessions, [](const auto& session) { return !session.exclusions.empty(); });
   return fmt::format(
-      "{} session{}: {} good, {} usable, {} bad; {} SIMULATED; {} valid frames\n", count_text(count),
+      "{} session{}: {} good, {} usable, {} bad; {} SIMULATED; {} valid frames{}\n", count_text(count),
       count == 1 ? "" : "s", verdicts("good"), verdicts("usable"), verdicts("bad"),
-      count_of(sessions, [](const auto& session) { return session.header.simulated; }), count_text(valid));
+      count_of(sessions, [](const auto& session) { return session.header.simulated; }), count_text(valid),
+      excluded == 0 ? "" : fmt::format("; {} with excluded frames", count_text(excluded)));
 }
 
 /// What else lies in the folders.
@@ -196,6 +204,9 @@ nlohmann::json object_of(const ListedSession& session) {
                  {"simulated", header.simulated},
                  {"licence", header.licence},
                  {"notes", session.notes}});
+  object["exclusions"] = nlohmann::json::array();
+  for (const Annotation& exclusion : session.exclusions)
+    object["exclusions"].push_back(annotation_json(exclusion));
   const std::string world = dataset::world_of(header);
   object["world"] = text_json(world);
   return object;

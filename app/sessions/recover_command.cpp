@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "existing_file.h"
 #include "print/output.h"
 #include "thermorig/rig/recording/finalise.h"
 
@@ -34,18 +35,22 @@ std::string removed_text(const RecoveryResult& result) {
   return text;
 }
 
+std::string loss_text(const RecoveryResult& result) {
+  if (result.bytes_ignored == 0) return "nothing was lost";
+  const std::string bytes = bytes_text(result.bytes_ignored);
+  return result.of_cut_session
+             ? bytes + " of the cut file are missing; move that file out of the folder"
+             : bytes + " at the torn end could not be read and are lost; the journal is kept";
+}
+
 std::string text_of(const RecoveryResult& result) {
   if (result.session.empty())
     return fmt::format("{:<14} {}\n               {}\n", name_of(result.kind),
                        printable(result.source.string()), printable(result.message));
-  const std::string loss =
-      result.bytes_ignored > 0
-          ? fmt::format("{} at the torn end could not be read and are lost; the journal is kept",
-                        bytes_text(result.bytes_ignored))
-          : "nothing was lost";
   return fmt::format("{:<14} {}\n               {} frames, {} valid, from {} chunks; {}\n{}",
                      name_of(result.kind), printable(result.session.string()), count_text(result.frames),
-                     count_text(result.valid), count_text(result.chunks), loss, removed_text(result));
+                     count_text(result.valid), count_text(result.chunks), loss_text(result),
+                     removed_text(result));
 }
 
 nlohmann::json json_of(const RecoveryResult& result) {
@@ -86,6 +91,9 @@ void print_text(const std::filesystem::path& path, const std::vector<RecoveryRes
 }  // namespace
 
 ExitCode run(const RecoverOptions& options) {
+  std::error_code hidden;  // a journal may be gone, and its session there; a link leads somewhere
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(options.path, hidden)))
+    require_existing(options.path);
   const std::vector<RecoveryResult> results = rig::recover(options.path);
   if (options.json) {
     nlohmann::json list = nlohmann::json::array();

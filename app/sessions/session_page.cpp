@@ -18,12 +18,19 @@ namespace {
 
 constexpr std::size_t document_bytes_max = 5'000'000;
 
+bool is_to_standard_output(const InspectOptions& options) {
+  return options.html == "-";
+}
+
 void check_words(const InspectOptions& options) {
   if (options.paths.size() != 1)
     throw Error(ExitCode::bad_usage, "--html takes one session", "", "call it once for each session");
   if (options.check || options.timing)
     throw Error(ExitCode::bad_usage, "--html writes a page, and says nothing else of a session", "",
                 "leave out --check and --timing");
+  if (is_to_standard_output(options) && options.json)
+    throw Error(ExitCode::bad_usage, "standard output takes the page, and nothing else", "--html -",
+                "leave out --json");
 }
 
 std::string document_of(const std::filesystem::path& path, view::PackedSession& packed) {
@@ -68,10 +75,15 @@ ExitCode write_session_page(const InspectOptions& options) {
   require_page();
   const std::filesystem::path path = one_session_at(options.paths.front());
   refuse_journal(path);
-  require_new(options.html, "another name, or remove it first");
+  if (!is_to_standard_output(options)) require_new(options.html, "another name, or remove it first");
   view::PackedSession packed =
       view::packed_session(path, document_bytes_max - web::session_document("", {}).size());
   const std::string document = document_of(path, packed);
+  if (is_to_standard_output(options)) {
+    write_to(stdout, document);
+    require_printed();
+    return ExitCode::ok;
+  }
   ExportFile file(options.html);
   file.write(std::string_view(document));
   file.publish();

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "thermorig/core/code_point.h"
+#include "thermorig/core/count_text.h"
 
 namespace thermorig {
 
@@ -25,6 +26,12 @@ std::string name_of(char32_t character) {
 }
 
 }  // namespace
+
+std::string count_text(std::uint64_t count) {
+  std::string text = std::to_string(count);
+  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, ',');
+  return text;
+}
 
 std::string printable(std::string_view text) {
   std::string shown;

@@ -53,6 +53,25 @@ TEST_F(Annotate, ExcludesFramesUntilItIsUndone) {
   EXPECT_EQ(inspected(session), before);
 }
 
+TEST_F(Annotate, ExcludesAWholeSessionWhichListTells) {
+  const std::string session = record_briefly().string();
+  for (const char* span : {"all", "0..1000"}) {
+    const auto done = annotate(session, std::string("--reason 'the camera was covered' --exclude ") + span);
+    EXPECT_EQ(done["frames_valid"], 0) << span;
+    EXPECT_EQ(done["verdict"], "bad");
+    EXPECT_THAT(run("inspect " + session).out, HasSubstr("no frame is valid: all were excluded"));
+    const std::string listed = run("list").out;
+    EXPECT_THAT(listed, HasSubstr(span == std::string("all") ? "all frames excluded: the camera was covered"
+                                                             : "0..1000 s excluded: the camera was covered"));
+    EXPECT_THAT(listed, HasSubstr("; 1 with excluded frames"));
+    const auto exclusions = run("list --json").lines()[0][0]["exclusions"];
+    EXPECT_EQ(exclusions.size(), 1U);
+    EXPECT_EQ(exclusions[0]["text"], "the camera was covered");
+    annotate(session, "--undo");
+  }
+  EXPECT_THAT(run("annotate " + session + " --exclude everything").err, HasSubstr("or --exclude all"));
+}
+
 TEST_F(Annotate, MovesASessionToTheNextFreeNumberOfAnotherEnvironmentAndBack) {
   const std::string session = record_briefly().string();
   ASSERT_EQ(run("record --fast --world honest --simulated=5 -e kitchen " + brief_plan).code, 0);

@@ -106,6 +106,21 @@ TEST_F(EvaluateLiveTest, KnowsARunWithoutANetwork) {
   EXPECT_THAT(run("evaluate --live recordings").out, HasSubstr("live with no network"));
 }
 
+TEST_F(EvaluateLiveTest, LeavesOutABadSessionOfAFolder) {
+  for (int i = 0; i < 2; ++i) ASSERT_EQ(live("--record").code, 0);
+  const std::string bad = session().lexically_relative(folder()).string();
+  ASSERT_EQ(run("annotate " + bad + " --exclude all").code, 0);
+  const Outcome outcome = run("evaluate --live recordings");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("left out, verdict bad: " + bad));
+  const nlohmann::json summary = run("evaluate --live --json recordings").lines().back();
+  EXPECT_EQ(summary.at("sessions"), 1);
+  EXPECT_EQ(summary.at("left_out"), nlohmann::json::array({bad}));
+  EXPECT_EQ(run("evaluate --live " + bad).code, 9);
+  fs::remove(files(".h5").back());
+  EXPECT_EQ(run("evaluate --live recordings").code, 9);  // no other is left
+}
+
 TEST_F(EvaluateLiveTest, RefusesASessionThatNoLiveRunMade) {
   const fs::path plain = record_briefly();
   for (const std::string& words : {plain.string(), std::string("recordings")}) {

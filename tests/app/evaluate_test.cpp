@@ -155,7 +155,7 @@ TEST_F(EvaluateTest, SaysWhereThereIsNoBoundAndRefusesTheWordWhereItMeansNothing
   EXPECT_THAT(refused.err, HasSubstr("--bound is of a model on sessions"));
 }
 
-TEST_F(EvaluateTest, LeavesOutSessionsOfCalibrationsAndRefusesBadOnes) {
+TEST_F(EvaluateTest, LeavesOutSessionsOfCalibrationsAndBadOnesUnlessTheyAreNamed) {
   record_sessions();
   train();
   const fs::path file = files(".h5").front();
@@ -172,15 +172,27 @@ TEST_F(EvaluateTest, LeavesOutSessionsOfCalibrationsAndRefusesBadOnes) {
   session = session::read_session(other);
   session.counters[Device::camera].bad_checksum = 100'000;
   session::replace_session(other, session);
-  for (const std::string& words : {std::string("evaluate model.onnx recordings"), small_study}) {
-    const Outcome refused = run(words);
-    EXPECT_EQ(refused.code, 9);
+  for (const std::string command :
+       {"evaluate model.onnx recordings", "train recordings -o other.onnx --epochs 1 --no-choose-epoch"}) {
+    const Outcome without = run(command);
+    EXPECT_EQ(without.code, 0) << without.err;
+    EXPECT_THAT(without.out, HasSubstr("left out, verdict bad: recordings/garden/garden_acq-02"));
+    EXPECT_THAT(without.out, HasSubstr("% of the camera's messages were lost or damaged"));
+  }
+  EXPECT_THAT(run("evaluate model.onnx recordings").out, HasSubstr("tested on 1 acquisition"));
+  for (const std::string& paths :
+       {other.string(), "recordings " + other.string(), std::string("recordings/garden")}) {
+    const Outcome refused = run("evaluate model.onnx " + paths);
+    EXPECT_EQ(refused.code, 9) << paths;
     EXPECT_THAT(refused.err, HasSubstr("garden_acq-02"));
     EXPECT_THAT(refused.err, HasSubstr("the session's verdict is bad: 9"));
     EXPECT_THAT(refused.err, HasSubstr("--accept-bad"));
   }
   EXPECT_THAT(run("evaluate model.onnx recordings --accept-bad").out,
               HasSubstr("bad, but accepted: recordings/garden/garden_acq-02"));
+  const nlohmann::json left = run("evaluate model.onnx recordings --json").lines().back();
+  EXPECT_EQ(left.at("left_out").size(), 2U);
+  EXPECT_EQ(left.at("bad").size(), 0U);
   const nlohmann::json told = run("evaluate model.onnx recordings --accept-bad --json").lines().back();
   EXPECT_EQ(told.at("left_out").size(), 1U);
   EXPECT_EQ(told.at("bad").size(), 1U);
@@ -250,7 +262,7 @@ TEST_F(EvaluateTest, FindsTheSameInAStudyFromMemoryAndFromTheDisk) {
     std::map<std::string, nlohmann::json> all;
     for (const std::string& name : results()) {
       all[name] = nlohmann::json::parse(file_text(folder() / "study/results" / name));
-      all[name].erase("seconds");
+      for (const char* field : {"seconds", "sum"}) all[name].erase(field);
     }
     return all;
   };
@@ -391,6 +403,7 @@ TEST_F(EvaluateTest, NamesTheInstructionSetsOfAStudyThatMixesThem) {
   const fs::path file = folder() / "study/results" / *results().begin();
   nlohmann::json result = nlohmann::json::parse(file_text(file));
   result["instruction_set"] = "another";
+  result["version"] = 4;  // which had no sum
   std::ofstream(file) << result;
   EXPECT_THAT(run("evaluate --draw study").out,
               testing::ContainsRegex("computed with .+ \\(3 results\\), another \\(1 result\\)"));

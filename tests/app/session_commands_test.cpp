@@ -13,6 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
+namespace fs = std::filesystem;
 
 class SessionCommands : public ProgramTest {
  protected:
@@ -222,6 +223,33 @@ TEST_F(SessionCommands, RecoverStatesWhatATruncatedJournalLost) {
   EXPECT_GT(again.lines()[0][0]["bytes_lost"], 0);
   EXPECT_EQ(files(".h5").size(), 1U);
   EXPECT_EQ(again.lines()[0][0]["result"], "already there");
+}
+
+TEST_F(SessionCommands, RecoverMakesASessionOfOneThatWasCutShort) {
+  const fs::path whole = record_briefly();
+  const auto frames = run("inspect --json " + whole.string()).lines()[0][0]["frames"];
+  const fs::path cut = folder() / "cut.h5";
+  const auto size = fs::file_size(whole);
+  fs::copy_file(whole, cut);
+  fs::resize_file(cut, size * 3 / 4);
+  for (const char* command : {"inspect ", "view ", "train ", "list ", "export --csv "}) {
+    const Outcome refused = run(command + cut.string());
+    EXPECT_EQ(refused.code, 8) << command;
+    EXPECT_THAT(refused.err, HasSubstr("was cut short: ")) << command;
+    EXPECT_THAT(refused.err, HasSubstr("thermorig recover " + cut.string())) << command;
+  }
+  for (int again = 0; again < 2; ++again) {  // the second time it is there already
+    const Outcome outcome = run("recover " + cut.string());
+    EXPECT_EQ(outcome.code, 3) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("cut_salvaged.h5"));
+    EXPECT_THAT(outcome.out, HasSubstr("of the cut file are missing"));
+  }
+  const auto salvaged = run("inspect --json cut_salvaged.h5").lines()[0][0];
+  EXPECT_EQ(salvaged["frames"], frames);
+  EXPECT_EQ(salvaged["state"], "recovered");
+  EXPECT_EQ(fs::file_size(cut), size * 3 / 4);
+  fs::resize_file(cut, 10'000);
+  EXPECT_EQ(run("recover " + cut.string()).code, 8);
 }
 
 TEST_F(SessionCommands, RecoverSaysWhenThereIsNothingToDo) {

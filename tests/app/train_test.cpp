@@ -259,12 +259,15 @@ TEST_F(Train, RefusesWhatIsNoSession) {
   EXPECT_THAT(outcome.err, HasSubstr("bad.h5"));
 }
 
-TEST_F(Train, LeavesOutSessionsOfCalibrationsAndRefusesBadOnes) {
+TEST_F(Train, LeavesOutSessionsOfCalibrationsAndBadOnesThatItFindsInAFolder) {
   const fs::path file = files(".h5").front();
   session::Session session = session::read_session(file);
   session.counters[Device::camera].bad_checksum = 100'000;
   session::replace_session(file, session);
-  const Outcome refused = run(small + "-o model.onnx");
+  const Outcome without = run(small + "-o other.onnx --no-choose-epoch");
+  EXPECT_EQ(without.code, 0) << without.err;
+  EXPECT_THAT(without.out, HasSubstr("left out, verdict bad: recordings/garden/garden_acq-01"));
+  const Outcome refused = run(small + "-o model.onnx " + file.string());
   EXPECT_EQ(refused.code, 9);
   EXPECT_THAT(refused.err,
               AllOf(HasSubstr("the session's verdict is bad"), HasSubstr(file.filename().string())));

@@ -38,6 +38,16 @@ TEST_F(View, WritesOneFileThatHoldsThePageAndTheSession) {
   EXPECT_THAT(page, Not(HasSubstr("href=\"/")));
 }
 
+TEST_F(View, WritesThePageToStandardOutputAndNothingElse) {
+  const std::string session = record_briefly().string();
+  ASSERT_EQ(run("inspect --html look.html " + session).code, 0);
+  const Outcome outcome = run("inspect --html - " + session);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, file_text(folder() / "look.html"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "-"));
+  expect_refused("inspect --json --html - " + session, 2, "leave out --json");
+}
+
 TEST_F(View, SaysInJsonWhatItWrote) {
   const std::string session = record_briefly().string();
   const auto written = run("inspect --json --html look.html " + session).lines()[0];

@@ -27,6 +27,11 @@ TEST(Csv, KeepsTextFromBeingAFormula) {
   EXPECT_EQ(csv_of("=cmd()"), "note\r\n'=cmd()\r\n");
   EXPECT_EQ(csv_of("@here"), "note\r\n'@here\r\n");
   EXPECT_EQ(csv_of("1 = 1"), "note\r\n1 = 1\r\n");
+  for (const char* text : {"+1", "-1", "\t=1", "\r=1", "  =1"})
+    EXPECT_NE(csv_of(text).find(std::string("'") + text), std::string::npos) << text;
+  // Where `;` separates for a spreadsheet, and where tabs do.
+  for (const char* text : {";=1", "a;=1", "a\t=1"})
+    EXPECT_EQ(csv_of(text), "note\r\n\"" + std::string(text) + "\"\r\n");
 }
 
 TEST(Csv, LeavesAnUnknownNumberEmptyAndShowsAllDigitsOfAKnownOne) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <limits>
 
 #include "../session/synthetic_session.h"
 #include "text_sink.h"
@@ -66,6 +67,21 @@ TEST(Shaft, IsFoundInAFileOfAnyTimes) {
     session.servo[i].stamp.time += std::chrono::hours(24 * 365 * (i % 2 == 0 ? 3 : 30));
   for (std::size_t i = 100; i < 200; ++i) session.frames[i].exposure_end += std::chrono::hours(24 * 365 * 30);
   EXPECT_LE(trajectories_of(session).front().angles.size(), 200U);
+}
+
+TEST(UnixTimes, AreThoseFrom1970To2262) {
+  const auto has_times_at = [](std::int64_t start_ns) {
+    RawRecording raw;
+    raw.header.time_reference = host_time_ns(1'000'000'000);
+    raw.end_time = host_time_ns(61'000'000'000);
+    raw.header.realtime_offset_ns = start_ns - 1'000'000'000;
+    return has_unix_times(raw);
+  };
+  constexpr std::int64_t latest = std::numeric_limits<std::int64_t>::max();
+  EXPECT_TRUE(has_times_at(0));
+  EXPECT_TRUE(has_times_at(1'700'000'000'000'000'000));
+  EXPECT_FALSE(has_times_at(-1)) << "a clock that says 1969";
+  EXPECT_FALSE(has_times_at(latest - 30'000'000'000)) << "it ends behind 2262";
 }
 
 TEST(Tum, TurnsAboutTheServosAxis) {

@@ -23,6 +23,7 @@ import numpy as np  # noqa: E402
 import onnx  # noqa: E402
 
 import thermorig  # noqa: E402
+from thermorig import checks  # noqa: E402
 
 PROGRAM = ""  # of the command line
 BRIEF = "--plan quick --speeds 40,80 --frames-per-leg 12".split()
@@ -51,13 +52,27 @@ def tearDownModule():
     folder.cleanup()
 
 
-def altered_copy(session, change):
+def altered_file(session, change, name="altered.h5"):
     """A file with other values, as a stranger might have written them: h5py knows nothing of check sums."""
-    path = Path(folder.name) / "altered.h5"
+    path = Path(folder.name) / name
     path.write_bytes(Path(session.path).read_bytes())
     with h5py.File(path, "r+") as file:
         change(file)
-    return thermorig.Session(path)
+    return path
+
+
+def altered_copy(session, change):
+    """The same by somebody who knows of them."""
+    def change_and_sum(file):
+        change(file)
+        for name, dataset in list(checks._datasets(file)):
+            if "crc32" in dataset.attrs:
+                dataset.attrs.modify("crc32", np.uint32(checks.data_sum(dataset)))
+        del file[checks.ATTRIBUTE_SUMS]
+        sums = file.create_dataset(checks.ATTRIBUTE_SUMS, data="".join(
+            f"{crc} {path}\n" for path, crc in checks.attribute_sums(file)), dtype=h5py.string_dtype())
+        sums.attrs["crc32"] = np.uint32(checks.data_sum(sums))
+    return thermorig.Session(altered_file(session, change_and_sum))
 
 
 class TheSessions(unittest.TestCase):
@@ -142,7 +157,7 @@ class TheSessions(unittest.TestCase):
             thermorig.Session(Path(folder.name) / "other.h5")
         text = Path(folder.name) / "text.h5"
         text.write_text("no session")
-        with self.assertRaisesRegex(OSError, "text.h5: "):
+        with self.assertRaisesRegex(thermorig.NotASession, "text.h5: "):
             thermorig.Session(text)
         text.unlink()
         with self.assertRaisesRegex(ValueError, "there is no session"):
@@ -154,10 +169,97 @@ class TheSessions(unittest.TestCase):
             thermorig.find_sessions(Path(folder.name) / "nowhere")
         with self.assertRaisesRegex(ValueError, "holds the same recording"):
             thermorig.open_sessions(first.path, altered_copy(first, lambda file: None).path)
-        bad = altered_copy(first, lambda file: file["quality"].attrs.__setitem__("verdict", "bad"))
-        with self.assertRaisesRegex(thermorig.BadSession, "verdict is bad"):
-            thermorig.open_sessions(bad.path)
-        self.assertEqual(len(thermorig.open_sessions(bad.path, accept_bad=True)), 1)
+
+    def test_that_are_bad_are_left_out_of_a_folder_as_train_does_and_refused_by_name(self):
+        there = Path(folder.name) / "some"
+        for place in ("kitchen", "garden"):
+            (there / place).mkdir(parents=True)
+            source = thermorig.find_sessions(recordings / place)[0]
+            (there / place / source.name).write_bytes(source.read_bytes())
+        bad = thermorig.find_sessions(there / "kitchen")[0]
+        run("annotate", bad, "--exclude", "all")
+        with self.assertWarnsRegex(UserWarning, "left out: .*kitchen.*all were excluded"):
+            names = [session.name for session in thermorig.open_sessions(there)]
+        self.assertEqual(names, ["garden_acq-01"])
+        start = run("train", there, "-o", "some.onnx", "--epochs", 1, "--no-choose-epoch", "--json")[0]
+        self.assertEqual([Path(file).name for file in start["left_out"]], [bad.name])
+        for paths in ((bad,), (there, bad), (there / "kitchen",)):
+            with self.assertRaisesRegex(thermorig.BadSession, "verdict is bad"):
+                thermorig.open_sessions(*paths)
+            run("train", *paths, "-o", "none.onnx", code=9)
+        self.assertEqual(len(thermorig.open_sessions(there, accept_bad=True)), 2)
+
+    def test_that_were_changed_are_refused_whatever_was_changed(self):
+        first = thermorig.open_sessions(recordings)[0]
+        middle = len(first) // 2
+
+        def value(path, at, new):
+            return lambda file: file[path].__setitem__(at, new)
+
+        def attribute(path, name, new):
+            return lambda file: file[path].attrs.modify(name, new)
+
+        def linked_away(file):
+            del file["samples/rate_commanded"]
+            file["samples/rate_commanded"] = h5py.ExternalLink("altered.h5", "/samples/rate_shaft")
+
+        def without(path):
+            return lambda file: file.__delitem__(path)
+
+        header = json.loads(first.file["rig"].attrs["header_json"])
+        forged = {
+            "a label": value("samples/rate_commanded", middle, 1.0),
+            "a validity": value("samples/valid", slice(None), 1),
+            "a pixel": value("camera/temperature", (middle, 3, 3), 77.0),
+            "a raw byte": value("raw/gyro/bytes", 7, 1),
+            "a verdict": attribute("quality", "verdict", "usable"),
+            "another kind of verdict": lambda file: file["quality"].attrs.__setitem__("verdict", 1),
+            "a profile": attribute("rig/profile/camera", "mirrored", 0),
+            "a bias": attribute("sync", "gyro_bias_dps", 7.0),
+            "a header without a number": attribute("rig", "header_json", json.dumps(
+                {key: value for key, value in header.items() if key != "acquisition"})),
+            "a header that is no JSON": attribute("rig", "header_json", "{"),
+            "no header": lambda file: file["rig"].attrs.__delitem__("header_json"),
+            "no table": without("samples/run"), "no group": without("events"), "no sums": without("quality"),
+            "no version": lambda file: file.attrs.__delitem__("format_version"),
+            "a label from another file": linked_away}
+        for what, change in forged.items():
+            with self.subTest(what), self.assertRaisesRegex(thermorig.NotASession, "forged.h5"):
+                thermorig.Session(altered_file(first, change, "forged.h5"))
+        for broken in ("environment", "uuid", "start_time_utc", "simulated", "plan_name"):  # with sums that are right
+            with self.subTest(broken), self.assertRaises(thermorig.NotASession):
+                altered_copy(first, attribute("rig", "header_json", json.dumps(
+                    {key: value for key, value in header.items() if key != broken})))
+        (Path(folder.name) / "forged.h5").unlink()
+
+        def added(file):
+            file.attrs["license"] = "CC0-1.0"
+            file.attrs["mine"] = [1.0, 2.0]
+            file["notes"] = np.arange(3)
+        self.assertEqual(thermorig.Session(altered_file(first, added)).licence, "CC0-1.0")
+
+    def test_that_are_special_files_are_refused_or_skipped_as_the_program_does(self):
+        there = Path(folder.name) / "special"
+        there.mkdir()
+        source = Path(thermorig.open_sessions(recordings)[0].path)
+        (there / "sound.h5").write_bytes(source.read_bytes())
+        (there / "folder.h5").mkdir()
+        os.mkfifo(there / "pipe.h5")
+        os.symlink("nowhere", there / "dangling.h5")
+        os.symlink("loop.h5", there / "loop.h5")
+        os.symlink("/dev/null", there / "device.h5")
+        self.assertEqual([session.path for session in thermorig.open_sessions(there)], [str(there / "sound.h5")])
+        self.assertEqual(len(run("list", there, "--json")[0]), 1)
+        for name in ("pipe", "device", "folder"):
+            with self.subTest(name), self.assertRaisesRegex(thermorig.NotASession, f"{name}.h5"):
+                thermorig.Session(there / f"{name}.h5")
+        for name in ("dangling", "loop", "missing"):
+            with self.subTest(name), self.assertRaisesRegex(OSError, f"{name}.h5"):
+                thermorig.Session(there / f"{name}.h5")
+        for name, data in {"empty": b"", "cut": source.read_bytes()[:100_000]}.items():
+            (there / f"{name}.h5").write_bytes(data)
+            with self.subTest(name), self.assertRaisesRegex(thermorig.NotASession, f"{name}.h5"):
+                thermorig.Session(there / f"{name}.h5")
 
 
 class TheWindows(unittest.TestCase):

@@ -34,9 +34,12 @@ def check_dataset(dataset):
             yield f"{dataset.name} has no scale on axis {axis}"
         if not is_scale and dataset.dims[axis][0].shape[0] != dataset.shape[axis]:
             yield f"{dataset.name} and the scale of axis {axis} differ in length"
-    if dataset.chunks and not (dataset.compression == "gzip" and dataset.compression_opts == 4 and dataset.fletcher32):
+    if dataset.ndim and dataset.shape[0] == 0 and not dataset.chunks:
+        yield f"{dataset.name} has no rows and no chunks: h5repack would fail"
+    is_packed = dataset.chunks and dataset.size
+    if is_packed and not (dataset.compression == "gzip" and dataset.compression_opts == 4 and dataset.fletcher32):
         yield f"{dataset.name} has other filters than gzip 4 and fletcher32"
-    if dataset.chunks and dataset.shuffle != (dataset.dtype.itemsize > 1):
+    if is_packed and dataset.shuffle != (dataset.dtype.itemsize > 1):
         yield f"{dataset.name} is shuffled where it should not be, or not where it should"
     flags = dataset.attrs.get("flag_values", dataset.attrs.get("flag_masks"))
     if flags is not None:

@@ -16,7 +16,8 @@ def results_of(folder):
         if path.suffix != ".json":
             sys.exit(f"{path} is no result: a claim or an unfinished file was left")
         result = json.loads(path.read_text())
-        del result["seconds"]
+        for name in ("seconds", "sum"):  # of one training they differ
+            del result[name]
         results[path.name] = result
     return results
 

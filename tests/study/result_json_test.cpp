@@ -133,6 +133,48 @@ TEST(ResultJson, IsRefusedWithCountsThatAreNone) {
   }
 }
 
+TEST(ResultJson, IsRefusedWithFiguresThatCannotBe) {
+  const std::vector<std::pair<const char*, double>> figures{{"/evaluation/errors/0/mse", -1.0},
+                                                            {"/evaluation/errors/0/rmse_dps", -0.1},
+                                                            {"/evaluation/errors/1/median_dps", -1e-9},
+                                                            {"/evaluation/shaft_errors/2/p95_dps", -5.0},
+                                                            {"/evaluation/errors/0/outlier_share", 1.1},
+                                                            {"/evaluation/speeds/3/mse/1", -1.0},
+                                                            {"/evaluation/gain/mean", 2.0},
+                                                            {"/evaluation/gain/deviation", -1.0},
+                                                            {"/evaluation/gain/above_098", -0.5},
+                                                            {"/evaluation/angles/0/integrated_s", -60.0},
+                                                            {"/training_mse/0", -1.0},
+                                                            {"/seconds", -1.0},
+                                                            {"/label_scale_dps", -200.0}};
+  for (const auto& [path, value] : figures)
+    for (const int version : {4, 5}) {  // with a sum and without
+      json other = json::parse(to_json(paper_sized()));
+      other["version"] = version;
+      other[json::json_pointer(path)] = value;
+      EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("which cannot be")) << path;
+    }
+}
+
+TEST(ResultJson, IsRefusedWithAnyOtherValueThanWasWritten) {
+  const json whole = json::parse(to_json(paper_sized()));
+  for (const char* const path :
+       {"/evaluation/errors/0/mse", "/evaluation/speeds/3/rate_dps", "/evaluation/angles/0/error_deg/1/5",
+        "/evaluation/gain/histogram/3", "/training_windows", "/simulated", "/job/test", "/instruction_set"}) {
+    json other = whole;
+    json& value = other[json::json_pointer(path)];
+    if (value.is_number_float()) value = value.get<double>() + 1e-9;
+    if (value.is_number_unsigned()) value = value.get<std::uint64_t>() + 1;
+    if (value.is_boolean()) value = !value.get<bool>();
+    if (value.is_string()) value = "another";
+    EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("sum is that of other values")) << path;
+  }
+  json added = whole;
+  added["more"] = 1;
+  EXPECT_NE(refusal(added.dump()), "");
+  EXPECT_EQ(refusal(whole.dump(2)), "");  // spaces are no values
+}
+
 TEST(ResultJson, IsRefusedOutsideTheNetworksSettings) {
   for (const auto& [field, value] : std::vector<std::pair<std::string, int>>{
            {"frames", 7}, {"frames", 1}, {"reduction", 4}, {"epochs", 0}, {"history", -1}}) {
@@ -144,7 +186,7 @@ TEST(ResultJson, IsRefusedOutsideTheNetworksSettings) {
 
 TEST(ResultJson, OfAnotherFormatOrVersionIsRefused) {
   json other = json::parse(to_json(paper_sized()));
-  other["version"] = 5;
+  other["version"] = 6;
   EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("version"));
   other["format"] = "something else";
   EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("format"));
@@ -193,6 +235,7 @@ TEST(ResultJson, WithALabelThatThereIsNotIsRefused) {
 TEST(ResultJson, LeavesOutEstimatorsThatAreNotKnownHere) {
   const JobResult result = paper_sized();
   json other = json::parse(to_json(result));
+  other["version"] = 4;  // which had no sum
   other["estimators"][3] = "odometer";
   const Evaluation back = result_from_json(other.dump(), "").evaluation;
   EXPECT_EQ(back.errors["gyro-rest"].windows, 0U);

@@ -8,7 +8,8 @@
 """
 
 from .sessions import find_sessions, open_sessions
-from .session import BadSession, Estimate, NotASession, Session
+from .checks import NotASession
+from .session import BadSession, Estimate, Session
 from .windows import Scaling, Windows, scaling_of, windows
 
 __all__ = [

@@ -15,15 +15,15 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from .checks import NotASession, require_regular, require_unaltered
+
 LABELS = ("rate_commanded", "rate_corrected", "rate_shaft")  # columns; `train --label` has the words behind "rate_"
 PIXELS_C = (-60.0, 400.0)  # beyond them a pixel is no temperature
 MARK = 10  # of /events/kind
 NOTE, ENVIRONMENT = 0, 1  # of /annotations/kind
 FASTEST_DPS = 10_000.0  # beyond it a rate is none
-
-
-class NotASession(ValueError):
-    """The file is no session of thermorig, or of a format that this package does not read."""
+VERDICTS = ("good", "usable", "bad")
+COLUMNS = ("time", "exposure_begin", "exposure_end", "rate_commanded", "rate_gyro", "valid", "run", "leg", "reason_bits")
 
 
 class BadSession(ValueError):
@@ -38,10 +38,11 @@ class Estimate(NamedTuple):
 
 
 class Session:
-    """A session file, open for reading. Everything is read when it is asked for, and kept.
+    """A session file, open for reading. All of it is held against its check sums, then everything is read when it
+    is asked for, and kept.
 
     `file` is the file itself, for whatever has no name here: `session.file["servo/angle_commanded"][:]`.
-    Raises NotASession, and OSError for a file that cannot be opened.
+    Raises NotASession for whatever is no session, or none any more; FileNotFoundError and PermissionError.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -49,10 +50,15 @@ class Session:
         self.file = _opened(self.path)
         try:
             self._require_format()
+            require_unaltered(self.file)
             self._header: dict[str, Any] = json.loads(self.file["rig"].attrs["header_json"])
-        except Exception:
+            self._require_parts()
+        except NotASession:
             self.file.close()
             raise
+        except Exception as error:  # whatever a damaged file makes of h5py
+            self.file.close()
+            raise NotASession(f"{self.path}: is damaged, or was changed: {error}") from error
 
     def _require_format(self) -> None:
         if self.file.attrs.get("format") != "thermorig-session":
@@ -62,6 +68,17 @@ class Session:
             raise NotASession(
                 f"{self.path}: is a session of format {version}, this package reads format 2: thermorig reprocess "
                 f"{self.path}")
+
+    def _require_parts(self) -> None:
+        for said in ("name", "uuid", "start", "world", "plan", "notes", "for_calibration", "verdict_reasons",
+                     "gyro_bias_dps", "gyro_scale", "mirrored", "leg_dps"):
+            getattr(self, said)
+        rows = (len(self),)
+        wrong = [name for name in COLUMNS if self.file["samples"][name].shape != rows]
+        if wrong or self.file["camera/temperature"].shape != (*rows, 24, 32):
+            raise ValueError(f"the tables have other shapes: {wrong or 'temperature'}")
+        if self.verdict not in VERDICTS:
+            raise ValueError(f"the verdict is none: {self.verdict}")
 
     def close(self) -> None:
         self.file.close()
@@ -307,10 +324,13 @@ class Session:
 
 def _opened(path: str) -> h5py.File:
     """h5py's own sentences leave out which file it was."""
+    require_regular(path)
+    with open(path, "rb"):  # says itself what is not there, or not allowed
+        pass
     try:
         return h5py.File(path, "r")
-    except OSError as error:
-        raise type(error)(f"{path}: {error}") from error
+    except Exception as error:
+        raise NotASession(f"{path}: is no HDF5 file, or cut short: {error}") from error
 
 
 def _label_column(name: str) -> str:

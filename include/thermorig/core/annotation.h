@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "thermorig/core/time.h"
+
 namespace thermorig {
 
 /// What somebody may say of a recording when it is over. The numbers are stored in files.
@@ -27,6 +29,10 @@ struct Annotation {
   double begin_s = 0.0;  // of an exclusion: seconds since the recording's start; else 0
   double end_s = 0.0;
   bool operator==(const Annotation&) const = default;
+
+  /// Of an exclusion: whatever the recording's length, all of its frames.
+  void set_all() { begin_s = -(end_s = farthest_time_s); }
+  bool is_of_all() const { return begin_s <= -farthest_time_s && end_s >= farthest_time_s; }
 };
 
 }  // namespace thermorig

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "thermorig/core/error.h"
-#include "thermorig/core/printable.h"
+#include "thermorig/io/files/existing.h"
 #include "thermorig/learning/dataset/dataset.h"
 
 namespace thermorig::dataset {
@@ -47,13 +47,9 @@ void search(const fs::path& folder, Found& found) {
 }
 
 void add_path(const fs::path& path, Found& found) {
+  files::require_existing(path);
   std::error_code hidden;  // where a folder may not be searched, opening says so
-  const fs::file_status status = fs::status(path, hidden);
-  if (status.type() == fs::file_type::not_found)
-    throw Error(
-        ExitCode::bad_usage, "there is no such file or folder", path.string(),
-        "check the name: ls " + shell_word(path.has_parent_path() ? path.parent_path().string() : "."));
-  if (fs::is_directory(status))
+  if (fs::is_directory(path, hidden))
     search(path, found);
   else
     found.sessions.push_back(path);

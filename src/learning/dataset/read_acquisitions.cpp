@@ -16,15 +16,17 @@ using network::Acquisition;
 
 /// What became of one file.
 struct FileRead {
-  std::optional<Acquisition> acquisition;  // none: its session is for a calibration
+  std::optional<Acquisition> acquisition;  // none: its session is for a calibration, or bad and left out
   std::optional<BadSession> bad;
 };
 
-FileRead read_file(const fs::path& path, Label label) {
+FileRead read_file(const fs::path& path, Label label, const LeavesOut& leaves_out) {
   const session::Session session = session::read_session(path);
   if (session::is_for_calibration(session.raw.header)) return {};
+  std::optional<BadSession> bad = bad_session(session, path);
+  if (bad && leaves_out && leaves_out(path)) return {std::nullopt, std::move(bad)};
   require_label(session, label, path);
-  return {acquisition_of(session, name_of(session), label), bad_session(session, path)};
+  return {acquisition_of(session, name_of(session), label), std::move(bad)};
 }
 
 /// Of what was read, only pixels are much.
@@ -44,7 +46,7 @@ void refuse_copies(const std::vector<FileRead>& reads, const std::vector<fs::pat
   }
 }
 
-/// The places of those that are not for calibrations, by environment, number, name.
+/// The places of those that are taken, by environment, number, name.
 std::vector<std::size_t> order_of(const std::vector<FileRead>& reads) {
   std::vector<std::size_t> order;
   for (std::size_t index = 0; index < reads.size(); ++index)
@@ -64,8 +66,12 @@ Acquisitions sorted_out(std::vector<FileRead> reads, const std::vector<fs::path>
     sorted.files.push_back(files[index]);
   }
   for (std::size_t index = 0; index < files.size(); ++index) {
-    if (!reads[index].acquisition) sorted.for_calibration.push_back(files[index]);
-    if (reads[index].bad) sorted.bad.push_back(std::move(*reads[index].bad));
+    FileRead& read = reads[index];
+    const bool is_taken = read.acquisition.has_value();  // though its value was moved out
+    if (read.bad)
+      (is_taken ? sorted.bad : sorted.left_out).push_back(std::move(*read.bad));
+    else if (!is_taken)
+      sorted.for_calibration.push_back(files[index]);
   }
   return sorted;
 }
@@ -92,12 +98,12 @@ Acquisition read_acquisition(const fs::path& path) {
 }
 
 Acquisitions read_acquisitions(const std::vector<fs::path>& files, const ReadingProgress& progress,
-                               Label label, FrameStore* store) {
+                               Label label, FrameStore* store, const LeavesOut& leaves_out) {
   std::vector<FileRead> reads(files.size());
   for_each_file(
       files.size(),
       [&](std::size_t index) {
-        reads[index] = read_file(files[index], label);
+        reads[index] = read_file(files[index], label, leaves_out);
         take_pixels(reads[index], store);
       },
       progress);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/learning/dataset/session_list.h"
 
+#include <algorithm>
+#include <iterator>
 #include <string_view>
 
 #include "for_each_file.h"
@@ -19,15 +21,18 @@ std::vector<std::string> notes_of(const session::Session& session) {
   return notes;
 }
 
-ListedSession listed(const std::filesystem::path& file) {
+template <typename Open>
+ListedSession listed(const std::filesystem::path& file, Open open) {
   ListedSession entry;
   entry.file = file;
   try {
-    const auto [session, quality] = session::read_overview(sandbox::SealedCopy(file));
+    const auto [session, quality] = session::read_overview(open());
     entry.header = session.raw.header;
     entry.place = session::place_of(session);
     entry.quality = quality;
     entry.for_calibration = session::is_for_calibration(session.raw.header);
+    std::copy_if(session.annotations.begin(), session.annotations.end(), std::back_inserter(entry.exclusions),
+                 [](const Annotation& one) { return one.kind == AnnotationKind::exclusion; });
     entry.notes = notes_of(session);
   } catch (const Error& error) {
     entry.refusal = error;
@@ -38,10 +43,15 @@ ListedSession listed(const std::filesystem::path& file) {
 }  // namespace
 
 std::vector<ListedSession> list_sessions(const std::vector<std::filesystem::path>& files,
-                                         const ReadingProgress& progress) {
+                                         const ReadingProgress& progress, const OpenCopy& open) {
   std::vector<ListedSession> list(files.size());
   for_each_file(
-      files.size(), [&](std::size_t index) { list[index] = listed(files[index]); }, progress);
+      files.size(),
+      [&](std::size_t index) {
+        list[index] =
+            listed(files[index], [&] { return open ? open(index) : sandbox::SealedCopy(files[index]); });
+      },
+      progress);
   return list;
 }
 

@@ -13,11 +13,14 @@ namespace {
 
 constexpr std::size_t buffer_bytes = 1U << 16U;
 
+/// Where the decimal point is a comma, spreadsheets take `;` for the separator: what holds one is quoted as
+/// well, or a formula could stand behind it. They skip blanks in front of one.
 void append_text(std::string& line, std::string_view text) {
-  const bool is_formula =
-      !text.empty() && std::string_view("=+-@\t\r").find(text.front()) != std::string_view::npos;
+  const std::size_t first = text.find_first_not_of(' ');
+  const bool is_formula = first != std::string_view::npos &&
+                          std::string_view("=+-@\t\r").find(text[first]) != std::string_view::npos;
   const std::string shown = fmt::format("{}{}", is_formula ? "'" : "", text);
-  if (shown.find_first_of(",\"\r\n") == std::string::npos) {
+  if (shown.find_first_of(",;\t\"\r\n") == std::string::npos) {
     line += shown;
     return;
   }

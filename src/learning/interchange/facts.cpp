@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "thermorig/learning/interchange/table.h"
 #include "thermorig/storage/session/annotations.h"
 
 namespace thermorig::interchange {
@@ -21,6 +22,15 @@ nlohmann::json facts_of(const session::Session& session) {
           {"creator", header.creator},
           {"verdict", session::quality_of(session).verdict},
           {"camera_mirrored", header.profile.camera.mirrored}};
+}
+
+bool has_unix_times(const RawRecording& raw) {
+  for (const HostTime time : {raw.header.time_reference, raw.end_time}) {
+    std::int64_t unix_ns = 0;
+    if (__builtin_add_overflow(to_ns(time), raw.header.realtime_offset_ns, &unix_ns) || unix_ns < 0)
+      return false;
+  }
+  return true;
 }
 
 std::uint64_t unix_ns(const RecordingHeader& header, HostTime time) {

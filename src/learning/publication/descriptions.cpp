@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sha256.h"
+#include "thermorig/core/code_point.h"
 
 namespace thermorig::publication {
 
@@ -121,6 +122,25 @@ std::string cite_as(const Terms& terms) {
                      terms.version, terms.date);
 }
 
+/// A double-quoted string of YAML 1.2. JSON's would nearly do: but YAML's escapes are of whole characters,
+/// and name none by two surrogates.
+std::string yaml_text(std::string_view text) {
+  std::string yaml = "\"";
+  while (!text.empty()) {
+    const auto next = first_character(text);
+    const std::size_t bytes = next ? next->bytes : 1;
+    const char32_t character = next ? next->code_point : 0xFFFD;  // what is no UTF-8
+    if (character == U'"' || character == U'\\')
+      yaml += fmt::format("\\{}", static_cast<char>(character));
+    else if (!next || !is_plain(character))
+      yaml += fmt::format("\\U{:08X}", static_cast<std::uint32_t>(character));
+    else
+      yaml += text.substr(0, bytes);
+    text.remove_prefix(bytes);
+  }
+  return yaml + '"';
+}
+
 }  // namespace
 
 Totals totals_of(const std::vector<Entry>& entries) {
@@ -181,18 +201,16 @@ std::string splits_text(const std::vector<Entry>& entries) {
 }
 
 std::string citation_text(const Terms& terms, const std::vector<Entry>& entries) {
-  const auto quoted = [](const std::string& text) {  // a string of JSON is one of YAML
-    return Json(text).dump(-1, ' ', true, Json::error_handler_t::replace);
-  };
   std::string text = fmt::format(
       "cff-version: 1.2.0\nmessage: \"If you use these data, please cite them.\"\ntype: dataset\ntitle: {}\n"
       "abstract: {}\nversion: {}\ndate-released: {}\n",
-      quoted(terms.title), quoted(description_of(terms, entries)), quoted(terms.version), quoted(terms.date));
+      yaml_text(terms.title), yaml_text(description_of(terms, entries)), yaml_text(terms.version),
+      yaml_text(terms.date));
   if (const std::string licence = licence_of(terms, entries); !licence.empty())
-    text += fmt::format("license: {}\n", quoted(licence));
-  if (!terms.url.empty()) text += fmt::format("url: {}\n", quoted(terms.url));
+    text += fmt::format("license: {}\n", yaml_text(licence));
+  if (!terms.url.empty()) text += fmt::format("url: {}\n", yaml_text(terms.url));
   text += "authors:\n";
-  for (const std::string& author : terms.authors) text += fmt::format("  - name: {}\n", quoted(author));
+  for (const std::string& author : terms.authors) text += fmt::format("  - name: {}\n", yaml_text(author));
   if (terms.authors.empty()) text += "  - name: \"not stated\"\n";
   return text;
 }
@@ -233,11 +251,12 @@ std::string croissant_text(const Terms& terms, const std::vector<Entry>& entries
 
 std::vector<Description> describe(const Terms& terms, const std::vector<Entry>& entries) {
   const std::string manifest = manifest_text(terms, entries);
-  return {{"manifest.json", manifest},
-          {"splits.json", splits_text(entries)},
-          {"DATA_CARD.md", card_text(terms, entries)},
-          {"CITATION.cff", citation_text(terms, entries)},
-          {"croissant.json", croissant_text(terms, entries, manifest)}};
+  const auto& [manifest_name, splits_name, card_name, citation_name, croissant_name] = description_names;
+  return {{manifest_name, manifest},
+          {splits_name, splits_text(entries)},
+          {card_name, card_text(terms, entries)},
+          {citation_name, citation_text(terms, entries)},
+          {croissant_name, croissant_text(terms, entries, manifest)}};
 }
 
 }  // namespace thermorig::publication

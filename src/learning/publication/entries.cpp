@@ -7,7 +7,9 @@
 #include <set>
 #include <tuple>
 
+#include "folder_file.h"
 #include "sha256.h"
+#include "thermorig/core/code_point.h"
 #include "thermorig/core/error.h"
 #include "thermorig/learning/publication/publication.h"
 
@@ -18,13 +20,33 @@ namespace {
 namespace fs = std::filesystem;
 using dataset::ListedSession;
 
-std::string path_within(const fs::path& folder, const fs::path& file) {
-  std::string path = file.lexically_relative(folder).generic_string();
+/// JSON, YAML and `sha256sum -c` shall read the same name.
+void require_listable(const FolderPath& found, const fs::path& folder) {
+  const std::string& path = found.path;
   const bool is_simple = std::none_of(path.begin(), path.end(),
                                       [](char c) { return (c >= 0 && c < ' ') || c == '\\' || c == 127; });
-  if (is_simple && !path.empty()) return path;
-  throw Error(ExitCode::bad_usage, "its name cannot stand in a list of check sums", file.string(),
-              "give it a name without control characters and backslashes");
+  if (is_simple && is_utf8(path)) return;
+  throw Error(ExitCode::bad_usage, "its name cannot stand in a list of check sums", (folder / path).string(),
+              "give it a name of UTF-8 without control characters and backslashes");
+}
+
+/// Throws Error for what verify() would not take.
+void require_taken(const FolderPath& found, const fs::path& folder) {
+  if (!found.problem.empty())
+    throw Error(ExitCode::not_a_session, "a data set is made of files: " + found.path + " " + found.problem,
+                (folder / found.path).string(), "move it out of the folder");
+  require_listable(found, folder);
+}
+
+/// Its facts and its sum are of the same bytes.
+sandbox::SealedCopy copy_of(const fs::path& folder, const std::string& path, Entry& entry) {
+  const FolderFile file(folder, path);
+  if (!file.problem().empty()) require_taken({path, file.problem()}, folder);
+  sandbox::SealedCopy copy = file.copy();
+  entry.path = path;
+  entry.bytes = copy.bytes().size();
+  entry.sha256 = sha256_of(copy.bytes());
+  return copy;
 }
 
 void require_sessions(const std::vector<ListedSession>& sessions, bool accept_bad) {
@@ -54,17 +76,18 @@ bool is_before(const Entry& one, const Entry& other) {
 
 std::vector<Entry> entries_of(const fs::path& folder, bool accept_bad,
                               const dataset::ReadingProgress& progress) {
-  std::vector<ListedSession> sessions = dataset::list_sessions(dataset::find_sessions({folder}), progress);
-  require_sessions(sessions, accept_bad);
-  std::vector<Entry> entries;
-  for (ListedSession& session : sessions) {
-    Entry entry;
-    entry.path = path_within(folder, session.file);
-    entry.sha256 = sha256_of_file(session.file);
-    entry.bytes = fs::file_size(session.file);
-    entry.session = std::move(session);
-    entries.push_back(std::move(entry));
+  const std::vector<FolderPath> found = sessions_in(folder);
+  if (found.empty()) dataset::find_sessions({folder});  // says what to do
+  std::vector<fs::path> files;
+  for (const FolderPath& one : found) {
+    require_taken(one, folder);
+    files.push_back(folder / one.path);
   }
+  std::vector<Entry> entries(files.size());
+  std::vector<ListedSession> sessions = dataset::list_sessions(
+      files, progress, [&](std::size_t index) { return copy_of(folder, found[index].path, entries[index]); });
+  require_sessions(sessions, accept_bad);
+  for (std::size_t i = 0; i < entries.size(); ++i) entries[i].session = std::move(sessions[i]);
   std::sort(entries.begin(), entries.end(), is_before);
   return entries;
 }

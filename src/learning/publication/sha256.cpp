@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: MIT
 #include "sha256.h"
 
-#include <sha2.h>
-
 #include <array>
-#include <cerrno>
 #include <cstdint>
-#include <cstring>
-
-#include "thermorig/core/error.h"
 
 namespace thermorig::publication {
 
-std::string sha256_of_file(const std::filesystem::path& path) {
+void Sha256::add(std::span<const std::byte> bytes) {
+  SHA256Update(&state_, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+}
+
+std::string Sha256::hexadecimal() {
   std::array<char, SHA256_DIGEST_STRING_LENGTH> digits{};
-  if (SHA256File(path.c_str(), digits.data()) != nullptr) return digits.data();
-  throw Error(ExitCode::storage, std::string("cannot be read: ") + std::strerror(errno), path.string(),
-              "check its permissions, and the disk (dmesg)");
+  SHA256End(&state_, digits.data());
+  return digits.data();
+}
+
+std::string sha256_of(std::span<const std::byte> bytes) {
+  Sha256 sum;
+  sum.add(bytes);
+  return sum.hexadecimal();
 }
 
 std::string sha256_of(std::string_view text) {
-  std::array<char, SHA256_DIGEST_STRING_LENGTH> digits{};
-  SHA256Data(reinterpret_cast<const std::uint8_t*>(text.data()), text.size(), digits.data());
-  return digits.data();
+  return sha256_of(std::as_bytes(std::span(text)));
 }
 
 }  // namespace thermorig::publication

@@ -2,10 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
+#include <set>
+#include <sstream>
 
+#include "folder_file.h"
 #include "sha256.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
@@ -38,15 +39,27 @@ bool is_sum(const std::string& text) {
          });
 }
 
-/// By path.
-std::map<std::string, std::string> read_sums(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
+std::string sums_of(const fs::path& folder) {
+  const FolderFile file(folder, sums_name);
+  const fs::path path = folder / sums_name;
+  if (file.is_missing())
     throw Error(ExitCode::bad_usage, "the folder has no check sums of a data set", path.string(),
-                "thermorig dataset build " + shell_word(path.parent_path().string()) + " --title TEXT");
-  if (fs::file_size(path) > bytes_max) refuse_sums(path, "of more than 64 MiB");
+                "thermorig dataset build " + shell_word(folder.string()) + " --title TEXT");
+  if (!file.problem().empty())
+    throw Error(ExitCode::not_a_session, "the list of check sums " + file.problem(), path.string(),
+                "take it from where the data set came from");
+  if (file.bytes() > bytes_max) refuse_sums(path, "of more than 64 MiB");
+  std::string text(file.bytes(), '\0');
+  file.read(0, std::as_writable_bytes(std::span(text)));
+  return text;
+}
+
+/// By path.
+std::map<std::string, std::string> read_sums(const fs::path& folder) {
+  const fs::path path = folder / sums_name;
+  std::istringstream text(sums_of(folder));
   std::map<std::string, std::string> sums;
-  for (std::string line; std::getline(file, line);) {
+  for (std::string line; std::getline(text, line);) {
     const std::size_t behind = digits + 2;  // two blanks
     if (line.size() <= behind || line.substr(digits, 2) != "  " || !is_sum(line.substr(0, digits)) ||
         !is_within_folder(line.substr(behind)) ||
@@ -57,12 +70,16 @@ std::map<std::string, std::string> read_sums(const fs::path& path) {
 }
 
 /// Nothing if the file is as it was.
-std::string change_of(const fs::path& path, const std::string& sum) {
-  std::error_code hidden;
-  const fs::file_status status = fs::status(path, hidden);
-  if (status.type() == fs::file_type::not_found) return "is missing";
-  if (!fs::is_regular_file(status)) return "is no file";
-  return sha256_of_file(path) == sum ? "" : "has other bytes than when the data set was built";
+std::string change_of(const fs::path& folder, const std::string& path, const std::string& sum) {
+  const FolderFile file(folder, path);
+  if (!file.problem().empty()) return file.problem();
+  return file.sha256() == sum ? "" : "has other bytes than when the data set was built";
+}
+
+std::string unlisted_text(const std::string& path) {
+  const bool is_description =
+      std::find(description_names.begin(), description_names.end(), path) != description_names.end();
+  return is_description ? "has no line in " + std::string(sums_name) : "is not of the data set";
 }
 
 }  // namespace
@@ -77,21 +94,18 @@ std::string sums_text(const std::vector<Entry>& entries, const std::vector<Descr
 }
 
 std::vector<Difference> verify(const fs::path& folder) {
-  const std::map<std::string, std::string> sums = read_sums(folder / sums_name);
+  const std::vector<FolderPath> found = sessions_in(folder);
+  std::map<std::string, std::string> sums = read_sums(folder);
+  std::set<std::string> paths(description_names.begin(), description_names.end());
+  for (const FolderPath& session : found) paths.insert(session.path);
   std::vector<Difference> differences;
   for (const auto& [path, sum] : sums)
-    if (std::string change = change_of(folder / path, sum); !change.empty())
+    if (std::string change = change_of(folder, path, sum); !change.empty())
       differences.push_back({path, std::move(change)});
-  std::error_code failure;
-  for (fs::recursive_directory_iterator entry(folder, failure), end; !failure && entry != end;
-       entry.increment(failure)) {
-    const std::string path = entry->path().lexically_relative(folder).generic_string();
-    if (entry->path().extension() == ".h5" && !sums.contains(path))
-      differences.push_back({path, "is not of the data set"});
-  }
-  if (failure)
-    throw Error(ExitCode::storage, "the folder cannot be searched: " + failure.message(), folder.string(),
-                "change its permissions");
+    else if (!paths.contains(path))
+      differences.push_back({path, "is no session and no description, and not of the data set"});
+  for (const std::string& path : paths)
+    if (!sums.contains(path)) differences.push_back({path, unlisted_text(path)});
   return differences;
 }
 

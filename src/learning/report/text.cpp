@@ -33,12 +33,6 @@ std::string share_text(double share) {
   return fmt::format("{:.{}f} %", percent, fine ? 2 : 0);
 }
 
-std::string count_text(std::size_t n) {
-  std::string text = std::to_string(n);
-  for (std::size_t digits = 3; digits < text.size(); digits += 4) text.insert(text.size() - digits, 1, ',');
-  return text;
-}
-
 std::string setting_text(int frames, int reduction) {
   return fmt::format("Nf = {}, Nr = {}", frames, reduction);
 }

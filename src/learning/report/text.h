@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <string>
 
+#include "thermorig/core/count_text.h"
+
 namespace thermorig::report {
 
 /// Stands where there is no value.
@@ -15,7 +17,6 @@ std::string mse_text(double mse);                     // "0.0122", "0.00023"
 std::string rate_text(double dps);                    // "22.1", "0.84"
 std::string angle_text(double deg);                   // "-12.3", "577"
 std::string share_text(double share);                 // "12 %"
-std::string count_text(std::size_t n);                // "750,274"
 std::string setting_text(int frames, int reduction);  // "Nf = 3, Nr = 1"
 
 /// The text with bytes that are no UTF-8 replaced and control characters turned into spaces.

@@ -91,6 +91,25 @@ double Fields::number(const char* field) const {
   return number_of(at(field), field);
 }
 
+double Fields::within(double number, double low, double high, const char* field) const {
+  if (number < low || number > high) refuse(field, fmt::format("is {}, which cannot be", number));
+  return number;
+}
+
+double Fields::number(const char* field, double low, double high) const {
+  return within(number(field), low, high, field);
+}
+
+double Fields::magnitude(const char* field) const {
+  return number(field, 0.0, std::numeric_limits<double>::max());
+}
+
+std::vector<double> Fields::magnitudes(const char* field) const {
+  std::vector<double> magnitudes = numbers(field);
+  for (const double value : magnitudes) within(value, 0.0, std::numeric_limits<double>::max(), field);
+  return magnitudes;
+}
+
 bool Fields::truth(const char* field) const {
   const json& value = at(field);
   if (!value.is_boolean()) refuse(field, "is neither true nor false");

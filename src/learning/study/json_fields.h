@@ -27,10 +27,13 @@ class Fields {
   std::uint64_t count(const char* field) const;  // at most 2^53
   std::uint64_t seed(const char* field) const;   // any 64 bits
   double number(const char* field) const;
+  double number(const char* field, double low, double high) const;  // or unknown
+  double magnitude(const char* field) const;                        // at least 0, or unknown
   bool truth(const char* field) const;
   std::string text(const char* field) const;
 
   std::vector<double> numbers(const char* field) const;
+  std::vector<double> magnitudes(const char* field) const;
   std::vector<std::vector<double>> rows(const char* field, std::size_t count) const;
   std::vector<std::string> texts(const char* field) const;
   Fields object(const char* field) const;
@@ -48,6 +51,7 @@ class Fields {
  private:
   const nlohmann::json& at(const char* field) const;
   const nlohmann::json& list(const char* field) const;
+  double within(double number, double low, double high, const char* field) const;
   double number_of(const nlohmann::json& value, const char* field) const;
   std::uint64_t count_of(const nlohmann::json& value, const char* field) const;
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "fingerprint.h"
 #include "json_fields.h"
 #include "thermorig/learning/study/study.h"
 
@@ -15,9 +16,10 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* format_name = "thermorig study result";
-constexpr int format_version = 4;  // 1 had other names of estimators
+constexpr int format_version = 5;  // 1 had other names of estimators
 constexpr int with_label = 3;      // and errors against the shaft
 constexpr int with_settled = 4;    // angles from 30 s on
+constexpr int with_sum = 5;
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> names_before_version_2{
     {{"thermal", thermal_name}, {"fusion", fusion_name}, {"gyro_unbiased", "gyro-rest"}}};
@@ -42,8 +44,9 @@ class EstimatorAxis {
     }
   }
 
-  void place(const Fields& fields, const char* field, PerEstimator<double>& placed) const {
-    const std::vector<double> values = fields.numbers(field);
+  void place(const Fields& fields, const char* field, PerEstimator<double>& placed,
+             bool magnitudes = false) const {
+    const std::vector<double> values = magnitudes ? fields.magnitudes(field) : fields.numbers(field);
     if (values.size() != size()) fields.refuse(field, "has another length");
     place(values, placed);
   }
@@ -96,11 +99,11 @@ json json_of(const Errors& errors) {
 Errors errors_from(const Fields& fields) {
   Errors errors;
   errors.windows = fields.count("windows");
-  errors.mse = fields.number("mse");
-  errors.rmse_dps = fields.number("rmse_dps");
-  errors.median_dps = fields.number("median_dps");
-  errors.p95_dps = fields.number("p95_dps");
-  errors.outlier_share = fields.number("outlier_share");
+  errors.mse = fields.magnitude("mse");
+  errors.rmse_dps = fields.magnitude("rmse_dps");
+  errors.median_dps = fields.magnitude("median_dps");
+  errors.p95_dps = fields.magnitude("p95_dps");
+  errors.outlier_share = fields.number("outlier_share", 0.0, 1.0);
   errors.bias_dps = fields.number("mean_error_dps");
   return errors;
 }
@@ -111,7 +114,7 @@ json json_of(const SpeedErrors& speed) {
 
 SpeedErrors speed_from(const Fields& fields, const EstimatorAxis& axis) {
   SpeedErrors speed{fields.number("rate_dps"), fields.count("windows")};
-  axis.place(fields, "mse", speed.mse);
+  axis.place(fields, "mse", speed.mse, true);
   return speed;
 }
 
@@ -123,11 +126,11 @@ json json_of(const GainStatistics& gain) {
 GainStatistics gain_from(const Fields& fields) {
   GainStatistics gain;
   gain.histogram = fields.counts<GainStatistics::bins>("histogram");
-  gain.mean = fields.number("mean");
-  gain.deviation = fields.number("deviation");
-  gain.median = fields.number("median");
-  gain.below_002 = fields.number("below_002");
-  gain.above_098 = fields.number("above_098");
+  gain.mean = fields.number("mean", 0.0, 1.0);
+  gain.deviation = fields.magnitude("deviation");
+  gain.median = fields.number("median", 0.0, 1.0);
+  gain.below_002 = fields.number("below_002", 0.0, 1.0);
+  gain.above_098 = fields.number("above_098", 0.0, 1.0);
   return gain;
 }
 
@@ -144,8 +147,8 @@ json json_of(const AngleTrack& track) {
 
 AngleTrack track_from(const Fields& fields, const EstimatorAxis& axis, int version) {
   AngleTrack track;
-  track.integrated_s = fields.number("integrated_s");
-  track.time_s = fields.numbers("time_s");
+  track.integrated_s = fields.magnitude("integrated_s");
+  track.time_s = fields.magnitudes("time_s");
   track.commanded_deg = fields.numbers("commanded_deg");
   if (track.commanded_deg.size() != track.time_s.size()) fields.refuse("commanded_deg", "has another length");
   const std::vector<std::vector<double>> lines = fields.rows("error_deg", axis.size());
@@ -197,24 +200,37 @@ Evaluation evaluation_from(const Fields& fields, const EstimatorAxis& axis, int 
   return evaluation;
 }
 
+std::string text_of(const json& object) {
+  return object.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+/// SHA-256 of all other fields, as they are written.
+void require_sum(const Fields& fields, json object) {
+  const std::string sum = fields.text("sum");
+  object.erase("sum");
+  if (fingerprint_of(text_of(object)) != sum) fields.refuse("sum", "is that of other values");
+}
+
 }  // namespace
 
 std::string to_json(const JobResult& result) {
-  const json object{{"format", format_name},
-                    {"version", format_version},
-                    {"estimators", all_estimators()},
-                    {"job", json_of(result.job)},
-                    {"evaluation", json_of(result.evaluation)},
-                    {"simulated", result.simulated},
-                    {"label_scale_dps", result.label_scale_dps},
-                    {"training_windows", result.training_windows},
-                    {"training_mse", result.training_mse},
-                    {"epoch_kept", result.epoch_kept},
-                    {"weights", result.weights},
-                    {"multiply_adds", result.multiply_adds},
-                    {"seconds", result.seconds},
-                    {"instruction_set", result.instruction_set}};
-  return object.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+  json object{{"format", format_name},
+              {"version", format_version},
+              {"estimators", all_estimators()},
+              {"job", json_of(result.job)},
+              {"evaluation", json_of(result.evaluation)},
+              {"simulated", result.simulated},
+              {"label_scale_dps", result.label_scale_dps},
+              {"training_windows", result.training_windows},
+              {"training_mse", result.training_mse},
+              {"epoch_kept", result.epoch_kept},
+              {"weights", result.weights},
+              {"multiply_adds", result.multiply_adds},
+              {"seconds", result.seconds},
+              {"instruction_set", result.instruction_set}};
+  object = json::parse(text_of(object));  // as a reader will have it
+  object["sum"] = fingerprint_of(text_of(object));
+  return text_of(object) + "\n";
 }
 
 JobResult result_from_json(const std::string& text, const std::string& where) {
@@ -228,14 +244,15 @@ JobResult result_from_json(const std::string& text, const std::string& where) {
   const EstimatorAxis axis(fields.texts("estimators"));
   result.evaluation = evaluation_from(fields.object("evaluation"), axis, version);
   result.simulated = result.evaluation.simulated = fields.truth("simulated");
-  result.label_scale_dps = fields.number("label_scale_dps");
+  result.label_scale_dps = fields.magnitude("label_scale_dps");
   result.training_windows = fields.count("training_windows");
-  result.training_mse = fields.numbers("training_mse");
+  result.training_mse = fields.magnitudes("training_mse");
   result.epoch_kept = fields.integer("epoch_kept", 0, 1'000'000);
   result.weights = fields.count("weights");
   result.multiply_adds = fields.count("multiply_adds");
-  result.seconds = fields.number("seconds");
+  result.seconds = fields.magnitude("seconds");
   result.instruction_set = fields.text("instruction_set");
+  if (version >= with_sum) require_sum(fields, object);
   return result;
 }
 

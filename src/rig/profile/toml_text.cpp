@@ -128,6 +128,7 @@ std::string read_text_file(const std::string& path, const std::string& what) {
     const auto bytes = files::read_whole(path, file_bytes_max, "the " + what);
     return {bytes.begin(), bytes.end()};
   } catch (const Error& error) {
+    if (error.code() == ExitCode::no_permission) throw;
     throw Error(ExitCode::bad_usage, error.what_happened(), error.where(),
                 "name a TOML file that is there and may be read");
   }

@@ -16,6 +16,9 @@
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/rig/recording/session_file.h"
 #include "thermorig/storage/journal/journal.h"
+#include "thermorig/storage/sandbox/sealed_copy.h"
+#include "thermorig/storage/session/annotations.h"
+#include "thermorig/storage/session/salvage.h"
 
 namespace thermorig::rig {
 
@@ -63,6 +66,28 @@ RecoveryResult already_there(const std::filesystem::path& source, const std::fil
                                           ? journal::read_journal(source, disk).bytes_ignored
                                           : 0;
   return describe(RecoveryKind::already_there, source, session, stored_session(session, disk), bytes_ignored);
+}
+
+/// Of a session that was cut short another one is made, of what it still holds.
+RecoveryResult salvage_session(const std::filesystem::path& path, const sandbox::SealedCopy& copy,
+                               files::Disk& disk) {
+  std::filesystem::path salvaged = path;
+  salvaged.replace_filename(path.stem().string() + "_salvaged.h5");
+  const bool is_made = is_there(salvaged, disk);
+  session::Salvaged left = session::salvage(copy);
+  session::Session session;
+  if (is_made) {
+    session = stored_session(salvaged, disk);
+  } else {
+    session = build_session(std::move(left.raw));
+    session.annotations = std::move(left.annotations);
+    session::apply_exclusions(session);
+    session::write_session(salvaged, session, disk);
+  }
+  RecoveryResult result = describe(is_made ? RecoveryKind::already_there : RecoveryKind::made, path, salvaged,
+                                   session, left.bytes_missing);
+  result.of_cut_session = true;
+  return result;
 }
 
 /// Is it what a session is called while it is written, of a process that is no more? One of our own number is
@@ -207,6 +232,8 @@ std::vector<RecoveryResult> recover(const std::filesystem::path& path, files::Di
     auto result = recover_journal(path, disk);
     return result ? std::vector{std::move(*result)} : std::vector<RecoveryResult>{};
   }
+  if (const sandbox::SealedCopy copy = sandbox::copy_on(disk, path); session::is_cut_short(copy))
+    return {salvage_session(path, copy, disk)};
   return {already_there(path, path, disk)};
 }
 

@@ -50,11 +50,11 @@ constexpr std::size_t part_bytes = 1U << 20U;  // of a large copy, at a time
 /// Looked at before it is opened: opening a pipe waits, and opening a port moves its lines.
 Descriptor open_regular(const fs::path& path, std::int64_t& size) {
   struct stat info {};
-  const bool is_there = ::stat(path.c_str(), &info) == 0;
-  if (is_there && S_ISDIR(info.st_mode))
+  if (::stat(path.c_str(), &info) != 0) cannot_open(path, errno);
+  if (S_ISDIR(info.st_mode))
     throw Error(ExitCode::not_a_session, "this is a folder, not a session", path.string(),
                 "name the session files (.h5) in it, or below it");
-  if (!is_there || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
+  if (!S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!file) cannot_open(path, errno);
   if (::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");

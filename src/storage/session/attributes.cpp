@@ -46,8 +46,10 @@ Handle text_type() {
 
 void set_raw_attribute(hid_t object, const char* name, hid_t type, std::size_t count, const void* data) {
   const Handle space = scalar_or_array(count);
-  const Handle attribute(H5Acreate2(object, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT),
-                         action("create", name));
+  const bool is_there = has_attribute(object, name);
+  const Handle attribute(is_there ? H5Aopen(object, name, H5P_DEFAULT)
+                                  : H5Acreate2(object, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+                         action(is_there ? "open" : "create", name));
   check(H5Awrite(attribute.get(), type, data), action("write", name));
 }
 

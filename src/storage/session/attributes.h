@@ -16,7 +16,8 @@ void set_attribute(hid_t object, const char* name, const char* value);
 /// A one-dimensional array of strings; writes nothing if there is none, for some readers refuse empty arrays.
 void set_attribute(hid_t object, const char* name, const std::vector<std::string>& values);
 
-/// `data` holds `count` elements; count 0 stands for a scalar.
+/// `data` holds `count` elements; count 0 stands for a scalar. One that is there takes them, if it is like
+/// this.
 void set_raw_attribute(hid_t object, const char* name, hid_t type, std::size_t count, const void* data);
 
 template <typename Number>

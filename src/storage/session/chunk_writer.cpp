@@ -41,6 +41,9 @@ void ChunkWriter::stop() noexcept {
 }
 
 hid_t ChunkWriter::add(Handle handle, Layout layout, Fill fill) {
+  // Its room is taken before any chunk's: all that describes a file stands before the values in it, where a
+  // file that is cut short still has it.
+  set_attribute(handle.get(), "crc32", std::uint32_t{0});
   const std::lock_guard lock(mutex_);
   Dataset& dataset = datasets_.emplace_back(Dataset{std::move(handle), std::move(layout), std::move(fill)});
   for (std::size_t first = 0; first < dataset.layout.rows; first += dataset.layout.chunk_rows)

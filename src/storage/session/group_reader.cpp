@@ -4,6 +4,7 @@
 #include <libdeflate.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -111,7 +112,22 @@ void GroupReader::begin_rows(const char* axis, std::uint64_t rows_limit, std::si
   if (source.dims.size() != 1 || source.dims[0] > rows_limit)
     throw Hdf5Failure("believe the size of " + path_ + "/" + axis);
   check_size(axis, source.dims[0], row_bytes);
-  rows_ = source.dims[0];
+  rows_ = facts_.is_cut() ? rows_there(source) : source.dims[0];
+}
+
+/// Those before the first chunk that is not whole.
+std::uint64_t GroupReader::rows_there(const Source& source) const {
+  if (source.chunk.empty()) return source.dims[0];
+  std::array<hsize_t, H5S_MAX_RANK> offset{};
+  for (hsize_t& row = offset[0]; row < source.dims[0]; row += source.chunk[0]) {
+    hsize_t size = 0;
+    haddr_t address = HADDR_UNDEF;
+    unsigned mask = 0;
+    if (H5Dget_chunk_info_by_coord(source.dataset.get(), offset.data(), &mask, &address, &size) < 0 ||
+        address > facts_.bytes_there || size > facts_.bytes_there - address)
+      return row;
+  }
+  return source.dims[0];
 }
 
 const char* GroupReader::stored_name(const Column& info) const {
@@ -124,6 +140,8 @@ GroupReader::Table GroupReader::open_table(const Column& info, hid_t type, std::
   Table table{path_ + "/" + name, open(name), 0};
   std::vector<hsize_t> expected{rows_};
   for (const auto& axis : inner) expected.push_back(axis.size);
+  if (facts_.is_cut() && !table.source.dims.empty() && table.source.dims[0] > rows_)
+    expected[0] = table.source.dims[0];
   if (table.source.dims != expected || H5Tequal(table.source.type.get(), type) <= 0)
     throw Hdf5Failure("accept the type or the shape of " + table.path);
   table.row_bytes =
@@ -137,6 +155,7 @@ void GroupReader::read(const Column& info, hid_t type, std::size_t element_bytes
                        std::span<const InnerAxis> inner, const Take& take) const {
   const Table table = open_table(info, type, element_bytes, inner);
   const std::uint32_t crc = rows_ == 0 ? 0 : read_chunks(table, type, {0, rows_}, take);
+  if (rows_ < table.source.dims[0]) return;  // the sum is of all of them
   if (crc != get_attribute<std::uint32_t>(table.source.dataset.get(), "crc32"))
     throw Hdf5Failure("believe " + table.path + ": its values differ from its checksum");
 }

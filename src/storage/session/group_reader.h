@@ -23,11 +23,16 @@ struct FileFacts {
   std::uint64_t bytes = 0;
   FormatVersion version;
   HostTime reference{};
+  std::uint64_t bytes_there =
+      0;  // fewer than `bytes`: it was cut short, and zeros stand in place of the rest
+
+  bool is_cut() const { return bytes_there < bytes; }
 };
 
 /// Reads one group with the interface of GroupWriter. Nothing in the file is believed: types, ranks, shapes,
 /// filters and sizes are checked before anything is allocated, and the values against their CRC. Throws
-/// Hdf5Failure with what is wrong. Rows is a vector, or what takes rows as one does (passed_rows.h).
+/// Hdf5Failure with what is wrong. Rows is a vector, or what takes rows as one does (passed_rows.h). Of a
+/// file that was cut short an axis has the rows that are left, and no sum of a whole column is known.
 class GroupReader {
   template <typename Rows>
   using RowOf = typename Rows::value_type;
@@ -166,6 +171,7 @@ class GroupReader {
     std::uint64_t begin = 0, end = 0;
   };
   void begin_rows(const char* axis, std::uint64_t rows_limit, std::size_t row_bytes);
+  std::uint64_t rows_there(const Source& source) const;
   Source open(const char* name) const;
   const char* stored_name(const Column& info) const;
   void check_size(const char* name, std::uint64_t rows, std::size_t row_bytes) const;

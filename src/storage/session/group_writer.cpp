@@ -55,7 +55,25 @@ Handle chunked_properties(std::span<const hsize_t> chunk, std::size_t element_by
 
 std::uint64_t chunk_rows_of(std::uint64_t rows, std::size_t element_bytes, int rank) {
   const std::uint64_t wanted = rank == 3 ? frames_per_chunk : chunk_bytes / element_bytes;
-  return std::min(rows, wanted);
+  return std::clamp<std::uint64_t>(rows, 1, wanted);
+}
+
+/// Without rows it is chunked as well, though there is nothing to filter: h5repack fails on one that is not.
+/// No chunk may be longer than the dataset can become, so such a one could grow.
+Handle row_space(const std::vector<hsize_t>& dims) {
+  std::vector<hsize_t> most = dims;
+  if (dims[0] == 0) most[0] = H5S_UNLIMITED;
+  return Handle(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), most.data()),
+                "make a dataspace");
+}
+
+Handle row_properties(std::vector<hsize_t> dims, std::uint64_t chunk_rows, std::size_t element_bytes) {
+  const bool is_empty = dims[0] == 0;
+  dims[0] = chunk_rows;
+  if (!is_empty) return chunked_properties(dims, element_bytes);
+  Handle properties = dataset_properties();
+  check(H5Pset_chunk(properties.get(), static_cast<int>(dims.size()), dims.data()), "set chunks");
+  return properties;
 }
 
 }  // namespace
@@ -78,7 +96,9 @@ void plot_as(hid_t group, const std::string& signal, const std::vector<std::stri
 
 GroupWriter::GroupWriter(hid_t file, const std::string& path, ChunkWriter& chunks, HostTime reference)
     : path_(path),
-      group_(H5Gcreate2(file, path.c_str(), H5P_DEFAULT, group_properties().get(), H5P_DEFAULT),
+      group_(H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0
+                 ? H5Gopen2(file, path.c_str(), H5P_DEFAULT)
+                 : H5Gcreate2(file, path.c_str(), H5P_DEFAULT, group_properties().get(), H5P_DEFAULT),
              "create " + path),
       chunks_(chunks),
       reference_(reference) {}
@@ -107,12 +127,12 @@ void GroupWriter::attach_rows(hid_t dataset) const {
 
 void GroupWriter::add_bare_axis(const char* name, const char* long_name, std::uint64_t rows) {
   rows_ = rows;
-  const hsize_t size = rows;
-  const Handle space(H5Screate_simple(1, &size, nullptr), "make a dataspace");
+  const Handle space = row_space({rows});
+  const Handle properties = rows == 0 ? row_properties({0}, 1, 1) : dataset_properties();
   // Never written, and allocated late: it takes no room in the file.
-  const hid_t scale = keep(Handle(H5Dcreate2(id(), name, H5T_IEEE_F32BE, space.get(), H5P_DEFAULT,
-                                             dataset_properties().get(), H5P_DEFAULT),
-                                  "create " + path_ + "/" + name));
+  const hid_t scale = keep(
+      Handle(H5Dcreate2(id(), name, H5T_IEEE_F32BE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+             "create " + path_ + "/" + name));
   // The words by which netCDF knows a dimension without a variable.
   make_scale(scale, fmt::format("This is a netCDF dimension but not a netCDF variable. {:9}", rows).c_str());
   set_attribute(scale, "units", "1");
@@ -142,11 +162,8 @@ void GroupWriter::add(const Column& info, hid_t type, std::size_t element_bytes,
   const std::size_t row_bytes =
       std::accumulate(dims.begin() + 1, dims.end(), element_bytes, std::multiplies<std::size_t>());
   const std::uint64_t chunk_rows = chunk_rows_of(rows_, element_bytes, rank);
-  std::vector<hsize_t> chunk = dims;
-  chunk[0] = chunk_rows;
-  // A dataset without rows has no chunks to filter.
-  const Handle properties = rows_ == 0 ? dataset_properties() : chunked_properties(chunk, element_bytes);
-  const Handle space(H5Screate_simple(rank, dims.data(), nullptr), "make a dataspace");
+  const Handle properties = row_properties(dims, chunk_rows, element_bytes);
+  const Handle space = row_space(dims);
   const std::string path = path_ + "/" + info.name;
   Handle dataset(H5Dcreate2(id(), info.name, type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
                  "create " + path);
@@ -155,9 +172,7 @@ void GroupWriter::add(const Column& info, hid_t type, std::size_t element_bytes,
   attach_rows(last_dataset_);
   for (unsigned i = 0; i < inner.size(); ++i)
     check(H5DSattach_scale(last_dataset_, inner[i].scale, i + 1), "attach a scale to " + path);
-  chunks_.add(std::move(dataset),
-              {path, rows_, std::max<std::uint64_t>(chunk_rows, 1), row_bytes, element_bytes},
-              std::move(fill));
+  chunks_.add(std::move(dataset), {path, rows_, chunk_rows, row_bytes, element_bytes}, std::move(fill));
 }
 
 InnerAxis GroupWriter::named_axis(const Column& info, const std::vector<std::string>& names) {
@@ -168,12 +183,13 @@ InnerAxis GroupWriter::named_axis(const Column& info, const std::vector<std::str
 
 hid_t GroupWriter::add_texts(const Column& info, const std::vector<std::string>& values) {
   const hsize_t size = values.size();
-  const Handle space(H5Screate_simple(1, &size, nullptr), "make a dataspace");
+  const Handle space = row_space({size});
   const Handle type = text_type();
   const std::string path = path_ + "/" + info.name;
-  const hid_t dataset = keep(Handle(H5Dcreate2(id(), info.name, type.get(), space.get(), H5P_DEFAULT,
-                                               dataset_properties().get(), H5P_DEFAULT),
-                                    "create " + path));
+  const Handle properties = size == 0 ? row_properties({0}, 1, sizeof(char*)) : dataset_properties();
+  const hid_t dataset = keep(
+      Handle(H5Dcreate2(id(), info.name, type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+             "create " + path));
   std::vector<const char*> texts;
   std::uint32_t crc = 0;
   for (const auto& value : values) {

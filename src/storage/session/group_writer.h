@@ -23,6 +23,7 @@ namespace thermorig::session {
 /// pair of functions this class uses `get(row)`, and GroupReader `set(row, value)`.
 class GroupWriter {
  public:
+  /// Makes the group, unless it is there.
   GroupWriter(hid_t file, const std::string& path, ChunkWriter& chunks, HostTime reference);
 
   hid_t id() const { return group_.get(); }

@@ -19,13 +19,14 @@ void raw_columns(Archive& archive, Stream& stream, const char* time_name, const 
   const auto self = [](auto& value) -> auto& {
     return value;
   };
-  archive.bare_axis("byte", "byte, from the first ever read or sent", stream.bytes, "bytes", raw_bytes_max);
-  archive.template field<std::uint8_t>({"bytes", "1", "bytes"}, stream.bytes, self);
+  // Bytes last: of those that are left of a cut file the times are known.
   archive.bare_axis("chunk", "chunk, as one read() or write() moved it", stream.chunk_end, "chunk_end");
   archive.share_axis(stream.time_ns);
   archive.template column<std::uint64_t>({"chunk_end", "1", "offset one past the chunk's last byte"},
                                          stream.chunk_end, self, set_end);
   archive.template column<std::int64_t>({time_name, "ns", time_long_name}, stream.time_ns, self, set_time);
+  archive.bare_axis("byte", "byte, from the first ever read or sent", stream.bytes, "bytes", raw_bytes_max);
+  archive.template field<std::uint8_t>({"bytes", "1", "bytes"}, stream.bytes, self);
 }
 
 inline constexpr std::uint8_t host_source = 255;

@@ -64,18 +64,25 @@ class ImageBuilder {
 
   SessionImage build(const std::vector<StoredAttribute>& added) {
     write_root_attributes(file_.get(), session_);
-    // The largest first: they are compressed while the rest is being laid out.
+    make_groups();
+    // First what all the rest can be made of again, so that it is in whatever a cut copy still holds; and
+    // the camera, most of it, last: its first frames are of use if everything else is there.
+    if (!session_.annotations.empty()) write_annotations();
+    write_events();
+    write_sent();
+    write_received(Device::servo);
+    write_received(Device::gyro);
+    write_servo();
+    write_received(Device::camera);
     write_camera();
     write_gyro();
-    write_servo();
     write_sync();
     write_samples();
     if (!session_.raw.estimates.empty()) write_estimates();
-    write_events();
-    if (!session_.annotations.empty()) write_annotations();
     write_texts();
     auto quality = write_quality();
-    write_raw();
+    // Else the library may give what describes the groups its place at the end, behind all values.
+    check(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL), "lay out the file");
     SessionImage image;
     image.datasets = chunks_.finish();
     quality.text(attribute_sums_column, attribute_sums(stored_attributes(file_.get())));
@@ -87,6 +94,15 @@ class ImageBuilder {
   }
 
  private:
+  /// In the order in which people look for them, which viewers show.
+  void make_groups() {
+    for (const char* path : {"/camera", "/gyro", "/servo", "/sync", "/samples"}) group(path);
+    if (!session_.raw.estimates.empty()) group("/estimates");
+    group("/events");
+    if (!session_.annotations.empty()) group("/annotations");
+    for (const char* path : {"/environment", "/rig", "/quality", "/raw"}) group(path);
+  }
+
   GroupWriter group(const char* path) {
     return GroupWriter(file_.get(), path, chunks_, session_.raw.header.time_reference);
   }
@@ -170,14 +186,14 @@ class ImageBuilder {
     return quality;
   }
 
-  void write_raw() {
-    group("/raw");
-    for (const Device device : all_devices) {
-      auto raw = group(("/raw/" + std::string(name_of(device))).c_str());
-      write_raw_attributes(raw.id(), session_.counters[device]);
-      raw_columns(raw, session_.raw.received[device], "arrival_ns", "host clock when read() returned [ns]",
-                  nullptr, nullptr);
-    }
+  void write_received(Device device) {
+    auto raw = group(("/raw/" + std::string(name_of(device))).c_str());
+    write_raw_attributes(raw.id(), session_.counters[device]);
+    raw_columns(raw, session_.raw.received[device], "arrival_ns", "host clock when read() returned [ns]",
+                nullptr, nullptr);
+  }
+
+  void write_sent() {
     for (const Device device : all_devices) {
       const RawStream& stream = session_.raw.sent[device];
       if (device != Device::servo && stream.chunk_count() == 0) continue;

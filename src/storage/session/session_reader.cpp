@@ -32,6 +32,7 @@
 #include "thermorig/storage/sandbox/refusal.h"
 #include "thermorig/storage/session/annotations.h"
 #include "thermorig/storage/session/rows.h"
+#include "thermorig/storage/session/salvage.h"
 #include "thermorig/storage/session/session.h"
 #include "thermorig/storage/session/trial.h"
 
@@ -58,11 +59,15 @@ std::optional<FormatVersion> version_of(const std::string& text) {
 /// A session file that has shown its format; gives access to its groups.
 class SessionFile {
  public:
-  explicit SessionFile(const sandbox::SealedCopy& copy) : path_(copy.path()) {
+  /// `bytes_there`: of a file that was cut short, behind which `copy` has zeros.
+  explicit SessionFile(const sandbox::SealedCopy& copy, std::optional<std::uint64_t> bytes_there = {})
+      : path_(copy.path()) {
     const fs::path& path = path_;
     facts_.copy = &copy;
     facts_.bytes = copy.bytes().size();
+    facts_.bytes_there = bytes_there.value_or(facts_.bytes);
     if (copy.bytes().empty()) sandbox::refuse(path, "is empty");
+    require_whole(copy);
     file_ = open_file_image(copy.bytes(), "open it as HDF5");
     require_nothing_behind();
     if (!has_attribute(id(), "format") || get_text_attribute(id(), "format") != format_name)
@@ -104,6 +109,7 @@ class SessionFile {
   const std::string& header_text() const { return header_text_; }
 
   FormatVersion version() const { return facts_.version; }
+  bool is_cut() const { return facts_.is_cut(); }
 
  private:
   /// HDF5 does not look beyond the end that the file states: what was appended would travel with the session,
@@ -118,6 +124,7 @@ class SessionFile {
 
   /// Other readers may change what stands in attributes: these must be what was written.
   RigProfile profile() const {
+    if (facts_.is_cut()) return read_profile(id(), path_);  // the sums are written last
     const std::string sums = group("/quality").text(attribute_sums_column);
     const std::vector<std::string> altered = altered_attributes(id(), profile_group, sums);
     if (!altered.empty()) throw Hdf5Failure("believe " + altered.front() + ": it differs from its checksum");
@@ -155,7 +162,7 @@ void read_stream(const SessionFile& file, const std::string& name, const char* t
     at = ns;
   };
   raw_columns(group, stream, time_name, "", set_end, set_time);
-  if (end != stream.bytes.size()) throw Hdf5Failure("believe the chunks of /raw/" + name);
+  if (end != stream.bytes.size() && !file.is_cut()) throw Hdf5Failure("believe the chunks of /raw/" + name);
 }
 
 /// Of a live run; other sessions have none. Before format 2 the header named no estimators.
@@ -536,15 +543,68 @@ AddedByOthers read_added(SessionFile& file) {
   return {std::move(attributes), {}};
 }
 
+template <typename Read>
+bool is_left(Read read) {
+  try {
+    read();
+    return true;
+  } catch (const Hdf5Failure&) {
+    return false;
+  }
+}
+
+/// The chunks of which all bytes are there.
+void drop_torn_chunk(RawStream& stream) {
+  while (!stream.chunk_end.empty() && stream.chunk_end.back() > stream.bytes.size())
+    stream.chunk_end.pop_back();
+  stream.time_ns.resize(stream.chunk_end.size());
+  stream.bytes.resize(stream.chunk_end.empty() ? 0 : stream.chunk_end.back());
+}
+
+void read_what_is_left(const SessionFile& file, const std::string& name, const char* time_name,
+                       HostTime reference, RawStream& stream) {
+  if (!is_left([&] { read_stream(file, name, time_name, reference, stream); })) stream = {};
+  drop_torn_chunk(stream);
+}
+
+Salvaged read_salvaged(SessionFile& file) {
+  Salvaged left;
+  RawRecording& raw = left.raw;
+  raw.header = file.read_header();
+  raw.end_time = raw.header.time_reference;
+  for (const Device device : all_devices) {
+    RawStream& received = raw.received[device];
+    read_what_is_left(file, std::string(name_of(device)), "arrival_ns", raw.header.time_reference, received);
+    read_what_is_left(file, sent_group(device), "sent_ns", raw.header.time_reference, raw.sent[device]);
+    if (received.chunk_count() > 0)
+      raw.end_time = std::max(raw.end_time, received.time(received.chunk_count() - 1));
+  }
+  const auto keep = [](auto& rows, auto read) {
+    if (!is_left(read)) rows.clear();
+  };
+  keep(raw.events, [&] {
+    auto events = file.group("/events");
+    event_columns(events, raw.events);
+  });
+  keep(raw.legs, [&] {
+    auto servo = file.group("/servo");
+    step_columns(servo, raw.legs);
+  });
+  keep(raw.estimates, [&] { raw.estimates = read_estimates(file, raw.header); });
+  keep(left.annotations, [&] { left.annotations = read_annotations(file); });
+  return left;
+}
+
 std::mutex hdf5_turn;  // the library may be in one thread at a time
 
 template <typename Read>
-auto read_or_explain(const sandbox::SealedCopy& copy, Read read) {
+auto read_or_explain(const sandbox::SealedCopy& copy, Read read,
+                     std::optional<std::uint64_t> bytes_there = {}) {
   const std::lock_guard turn(hdf5_turn);
   try {
     prepare_hdf5();
     const ClearedErrors cleared;
-    SessionFile file(copy);
+    SessionFile file(copy, bytes_there);
     return read(file);
   } catch (const Hdf5Failure& failure) {
     sandbox::refuse(copy.path(), failure.what());
@@ -586,6 +646,10 @@ AddedByOthers added_by_others(const sandbox::SealedCopy& copy) {
 
 std::vector<std::string> altered_in(const sandbox::SealedCopy& copy) {
   return read_or_explain(copy, read_altered);
+}
+
+Salvaged salvaged_from(const sandbox::SealedCopy& padded, std::uint64_t bytes_there) {
+  return read_or_explain(padded, read_salvaged, bytes_there);
 }
 
 void read_for_nothing(const sandbox::SealedCopy& copy) {

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "thermorig/core/validity.h"
+
 namespace thermorig::session {
 
 namespace {
@@ -71,8 +73,15 @@ bool is_rest(const Session& session) {
          session.raw.header.plan_toml.find("\nleg_rates_dps = []") != std::string::npos;
 }
 
+std::string none_valid_text(const Quality& quality) {
+  const auto excluded =
+      quality.reason_counts.find(std::string(reason_names[static_cast<std::size_t>(Reason::operator_mark)]));
+  const bool by_hand = excluded != quality.reason_counts.end() && excluded->second == quality.swept;
+  return by_hand ? "no frame is valid: all were excluded (annotate --exclude)" : "no frame is valid";
+}
+
 void judge_samples(const Quality& quality, Verdict& verdict) {
-  if (quality.valid == 0) return verdict.bad("no frame is valid");
+  if (quality.valid == 0) return verdict.bad(none_valid_text(quality));
   if (static_cast<double>(quality.valid) < valid_share_usable * static_cast<double>(quality.swept))
     verdict.usable(fmt::format("only {} of {} frames within legs are valid", quality.valid, quality.swept));
   const auto empty = std::count_if(quality.speeds.begin(), quality.speeds.end(),

@@ -13,6 +13,7 @@
 #include "frame_columns.h"
 #include "thermorig/core/image_bytes.h"
 #include "thermorig/storage/sandbox/refusal.h"
+#include "thermorig/storage/session/salvage.h"
 #include "thermorig/storage/session/trial.h"
 
 namespace thermorig::view {
@@ -74,6 +75,7 @@ std::vector<sandbox::Task> tasks() {
 }
 
 SessionView::SessionView(const std::filesystem::path& path, std::uint64_t every) : copy_(path) {
+  session::require_whole(copy_);
   const std::string request = fmt::format("{} {}", every, path.filename().string());
   const std::string answer =
       ask(overview_task, request.substr(0, sandbox::request_bytes_max), overview_bytes_max);

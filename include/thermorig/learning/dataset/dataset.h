@@ -57,20 +57,25 @@ std::optional<BadSession> bad_session(const session::Session& session, const std
 /// Is told of each file that was read, one at a time: how many were, of how many.
 using ReadingProgress = std::function<void(std::size_t done, std::size_t all)>;
 
-/// What files hold for training and evaluation.
+/// What files hold for training and evaluation. What is left out, and `bad`, in the order of the files.
 struct Acquisitions {
   std::vector<network::Acquisition> acquisitions;      // sorted by environment, number, name
   std::vector<std::filesystem::path> files;            // one each of those
-  std::vector<std::filesystem::path> for_calibration;  // left out; in the order of the files
-  std::vector<BadSession> bad;                         // not left out; in the order of the files
+  std::vector<std::filesystem::path> for_calibration;  // left out
+  std::vector<BadSession> left_out;                    // since they are bad
+  std::vector<BadSession> bad;                         // not left out
 };
 
+/// Is a file left out, if its verdict is bad? May be called from several threads.
+using LeavesOut = std::function<bool(const std::filesystem::path&)>;
+
 /// Reads all of them, on all cores, with that label; `store` takes the pixels of each as soon as it is read,
-/// null: they stay in memory. Throws Error(not_a_session) also where two files hold the same recording, and
-/// as require_label() and FrameStore::take().
+/// null: they stay in memory. Of the bad ones those are left out that `leaves_out` says; empty: none. Throws
+/// Error(not_a_session) also where two files hold the same recording, and as require_label() and
+/// FrameStore::take().
 Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files,
                                const ReadingProgress& progress = {}, Label label = Label::commanded,
-                               FrameStore* store = nullptr);
+                               FrameStore* store = nullptr, const LeavesOut& leaves_out = {});
 
 /// Whether the estimates of an acquisition are wanted.
 using IsWanted = std::function<bool(const network::Acquisition&)>;

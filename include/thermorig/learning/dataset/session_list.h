@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,12 +21,17 @@ struct ListedSession {
   session::Place place;  // where it is known, which later words may have changed
   session::Quality quality;
   bool for_calibration = false;
-  std::vector<std::string> notes;  // of the recording, the operator's marks, later ones; in this order
+  std::vector<Annotation> exclusions;  // made afterwards
+  std::vector<std::string> notes;      // of the recording, the operator's marks, later ones; in this order
 };
 
+/// The copy of the file of that index that is looked at. May be called from several threads; throws Error.
+using OpenCopy = std::function<sandbox::SealedCopy(std::size_t index)>;
+
 /// Looks at all files, on all cores; in their order. A file that is no session keeps nobody from the others.
+/// `open`: empty: the file as it stands there.
 std::vector<ListedSession> list_sessions(const std::vector<std::filesystem::path>& files,
-                                         const ReadingProgress& progress = {});
+                                         const ReadingProgress& progress = {}, const OpenCopy& open = {});
 
 /// The simulated rig's world of a recording, as `simulation` in its header ends: "honest",
 /// "hard,gyro.bandwidth_hz=20"; empty of a real rig, and where the header says none.

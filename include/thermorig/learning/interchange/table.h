@@ -32,6 +32,10 @@ struct Table {
 /// `samples`, `camera`, `gyro`, `servo`, `estimates` (of a live run; else without rows), `events`.
 const std::vector<std::string>& table_names();
 
+/// Do the times of a recording lie within 64 bits of nanoseconds of Unix time, 1970 to 2262, as TUM and MCAP
+/// have them? A computer without a clock of its own may say anything.
+bool has_unix_times(const RawRecording& raw);
+
 /// One of table_names(); it refers to `session`, which has a sample a frame, in order.
 Table table_of(const session::Session& session, std::string_view name);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -30,8 +31,8 @@ struct Entry {
 };
 
 /// All sessions of a folder, by environment and number. Throws Error: bad_usage where there is none or a path
-/// cannot stand in a list of sums, not_a_session for a file that is none and for a recording that is there
-/// twice, check_failed for a bad verdict unless these are accepted.
+/// cannot stand in a list of sums, not_a_session for a file that is none, for a link, and for a recording
+/// that is there twice, check_failed for a bad verdict unless these are accepted.
 std::vector<Entry> entries_of(const std::filesystem::path& folder, bool accept_bad,
                               const dataset::ReadingProgress& progress = {});
 
@@ -53,7 +54,11 @@ struct Description {
   std::string text;
 };
 
-/// manifest.json, splits.json, DATA_CARD.md, CITATION.cff and croissant.json.
+/// What they are called.
+inline constexpr std::array<const char*, 5> description_names{"manifest.json", "splits.json", "DATA_CARD.md",
+                                                              "CITATION.cff", "croissant.json"};
+
+/// One of each of these names, in this order.
 std::vector<Description> describe(const Terms& terms, const std::vector<Entry>& entries);
 
 /// The file that holds the sums of all others, as sha256sum(1) reads it.
@@ -66,8 +71,9 @@ struct Difference {
   std::string what;
 };
 
-/// Throws Error: bad_usage if the folder has no sums, not_a_session if these are none, storage if a file
-/// cannot be read.
+/// What differs from what `dataset build` makes: each session and each description has its line and its sum,
+/// nothing else has one, and no link leads anywhere. Throws Error: bad_usage if the folder has no sums,
+/// not_a_session if these are none, no_permission and storage if a file cannot be read.
 std::vector<Difference> verify(const std::filesystem::path& folder);
 
 }  // namespace thermorig::publication

@@ -46,6 +46,7 @@ struct RecoveryResult {
   std::uint64_t valid = 0;
   std::uint64_t chunks = 0;
   std::uint64_t bytes_ignored = 0;  // torn tail: at most the chunk that was being written
+  bool of_cut_session = false;      // made of a session file that lacks these bytes at its end
   std::string message;              // for `empty`, `failed` and `in_use`: why
   ExitCode code = ExitCode::ok;     // for `failed`: not_a_session; storage if it is the disk's fault; failed
   std::vector<std::filesystem::path>
@@ -57,8 +58,9 @@ struct RecoveryResult {
 /// same, losses included, as long as the journal is there. What a program that was killed left of a session's
 /// file is removed. A journal without its end is kept as well where the file system cannot tell that nobody
 /// writes it. In a folder one journal or one folder that fails keeps nobody from the others: it is a `failed`
-/// of its own. Throws Error(not_a_session) if `path` is neither, Error(bad_usage) if it does not exist, and
-/// for a single journal Error(storage) if the disk refuses to be written.
+/// of its own. Of a session that was cut short another one is made beside it, NAME_salvaged.h5, of the raw
+/// bytes that are left. Throws Error(not_a_session) if `path` is neither, Error(bad_usage) if it does not
+/// exist, and for a single journal Error(storage) if the disk refuses to be written.
 std::vector<RecoveryResult> recover(const std::filesystem::path& path,
                                     files::Disk& disk = files::real_disk());
 

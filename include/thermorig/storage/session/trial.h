@@ -15,7 +15,7 @@ namespace thermorig::session {
 /// files of one's own. `others`: what else children may be asked to make of a session, numbered from
 /// first_other_task. Throws Error(failed) if there can be no child.
 void try_sessions_first(const std::vector<sandbox::Task>& others = {});
-inline constexpr std::size_t first_other_task = 2;
+inline constexpr std::size_t first_other_task = 3;
 
 /// The copy of a file that a child process has read to its end: what read_session() does first. This process
 /// reads none that the child has refused. May be called from several threads. Throws what the child threw,
