@@ -2,6 +2,7 @@
 #include "thermorig/io/files/existing.h"
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 
 namespace thermorig::files {
 
@@ -15,10 +16,10 @@ void require_existing(const fs::path& path) {
   if (status.type() != fs::file_type::not_found && !is_circle) return;
   if (fs::is_symlink(fs::symlink_status(path, hidden)))
     throw Error(ExitCode::bad_usage, is_circle ? "is a link that leads in a circle" : "is a link to nothing",
-                path.string(), "see where it leads: ls -l " + path.string());
+                path.string(), "see where it leads: ls -l " + shell_word(path.string()));
   const std::string folder = path.has_parent_path() ? path.parent_path().string() : ".";
   throw Error(ExitCode::bad_usage, "there is no such file or folder", path.string(),
-              "check the name: ls " + folder);
+              "check the name: ls " + shell_word(folder));
 }
 
 }  // namespace thermorig::files
