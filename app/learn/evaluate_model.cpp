@@ -7,11 +7,11 @@
 #include "evaluate_model_text.h"
 #include "evaluate_numbers.h"
 #include "evaluate_parts.h"
-#include "existing_file.h"
 #include "frame_memory.h"
 #include "print/output.h"
 #include "report_files.h"
 #include "session_data.h"
+#include "thermorig/io/files/existing.h"
 #include "thermorig/learning/report/report.h"
 
 namespace thermorig::app {
@@ -97,7 +97,7 @@ void write_model_report(const std::filesystem::path& folder, const model::Model&
 }  // namespace
 
 ExitCode evaluate_model(const EvaluateOptions& options) {
-  require_existing(options.model);
+  files::require_existing(options.model);
   const model::Model model = model::read_model(options.model);
   FrameMemory memory(options.frame_memory, options.output.empty() ? options.model : options.output);
   dataset::Acquisitions data =

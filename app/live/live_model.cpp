@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <sha2.h>
 
-#include "existing_file.h"
+#include "thermorig/io/files/existing.h"
 
 namespace thermorig::app {
 
@@ -20,7 +20,7 @@ std::string sha256_of(const std::filesystem::path& path) {
 ChosenModel read_live_model(const std::filesystem::path& path, const std::string& precision) {
   ChosenModel chosen;
   if (path.empty()) return chosen;
-  require_existing(path);
+  files::require_existing(path);
   chosen.model = model::read_model(path);
   if (precision == "fp16") chosen.precision = network::Precision::fp16_weights;
   const network::Shape& shape = chosen.model->weights.shape;

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "existing_file.h"
 #include "print/number_json.h"
 #include "print/output.h"
 #include "print/reading_progress.h"
 #include "thermorig/core/code_point.h"
+#include "thermorig/io/files/existing.h"
 #include "thermorig/io/files/whole_file.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
@@ -27,7 +27,7 @@ using publication::Entry;
 using publication::Fold;
 
 std::vector<Entry> read_entries(const DatasetOptions& options) {
-  require_existing(options.folder);
+  files::require_existing(options.folder);
   ReadingProgress progress(options.json || !options.part.empty());
   return publication::entries_of(options.folder, options.accept_bad, std::ref(progress));
 }
@@ -115,7 +115,7 @@ ExitCode build(const DatasetOptions& options) {
 }
 
 ExitCode verify(const DatasetOptions& options) {
-  require_existing(options.folder);
+  files::require_existing(options.folder);
   const std::vector<publication::Difference> differences = publication::verify(options.folder);
   nlohmann::json list = nlohmann::json::array();
   for (const publication::Difference& difference : differences) {

@@ -4,12 +4,12 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "existing_file.h"
 #include "export_files.h"
 #include "export_odometer.h"
 #include "export_session.h"
 #include "export_size.h"
 #include "print/output.h"
+#include "thermorig/io/files/existing.h"
 #include "thermorig/network/embedded/c_source.h"
 #include "thermorig/network/model/model.h"
 
@@ -111,7 +111,7 @@ ExitCode run(const ExportOptions& options) {
                 "--c-header or --odometer");
   if (is_of_a_session(options)) return export_session(options);
   require_kind(options);
-  require_existing(options.file);
+  files::require_existing(options.file);
   const model::Model model = model::read_model(options.file);
   BoardNeeds needs;
   std::vector<NewFile> files;

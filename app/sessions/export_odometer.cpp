@@ -5,13 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "existing_file.h"
 #include "export_files.h"
 #include "export_session.h"
 #include "export_size.h"
 #include "print/output.h"
 #include "thermorig/estimators/board_odometer/odometer_source.h"
 #include "thermorig/estimators/map_file/map_file.h"
+#include "thermorig/io/files/existing.h"
 #include "thermorig/rig/profile/profile_file.h"
 #include "thermorig/storage/session/session.h"
 
@@ -55,7 +55,7 @@ ExitCode export_odometer(const ExportOptions& options) {
   if (is_of_a_session(options) || options.batch || options.frames || options.reduction)
     throw Error(ExitCode::bad_usage, "--odometer writes C sources, and no other form with them", "",
                 "thermorig export --help");
-  require_existing(options.file);
+  files::require_existing(options.file);
   const RigProfile rig = profile_of(options.file);
   const std::string name = options.name.value_or("thermorig_odometer");
   board_odometer::OdometerSource source = board_odometer::odometer_source(rig, name);

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "existing_file.h"
 #include "print/output.h"
+#include "thermorig/io/files/existing.h"
 #include "thermorig/rig/recording/finalise.h"
 
 namespace thermorig::app {
@@ -93,7 +93,7 @@ void print_text(const std::filesystem::path& path, const std::vector<RecoveryRes
 ExitCode run(const RecoverOptions& options) {
   std::error_code hidden;  // a journal may be gone, and its session there; a link leads somewhere
   if (std::filesystem::is_symlink(std::filesystem::symlink_status(options.path, hidden)))
-    require_existing(options.path);
+    files::require_existing(options.path);
   const std::vector<RecoveryResult> results = rig::recover(options.path);
   if (options.json) {
     nlohmann::json list = nlohmann::json::array();

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "existing_file.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
+#include "thermorig/io/files/existing.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/storage/journal/journal.h"
 
@@ -14,7 +14,7 @@ namespace thermorig::app {
 namespace fs = std::filesystem;
 
 std::vector<fs::path> session_files_at(const fs::path& path) {
-  require_existing(path);
+  files::require_existing(path);
   std::error_code hidden;  // opening it says why
   if (!fs::is_directory(path, hidden)) return {path};
   return dataset::find_sessions({path});
