@@ -67,6 +67,46 @@ TEST(GyroClock, GoesByTheGyrosOwnTimeWhereItSendsOne) {
   EXPECT_NEAR(fit.report.skew_ppm, -1e6 * 0.01 / 1.01, 50.0);  // fast
 }
 
+/// Samples that lie in the gyro's FIFO until ten are there, and are then printed in a row.
+GyroStream batches_of(int samples, double print_s) {
+  GyroStream stream;
+  for (int i = 0; i < samples; ++i) {
+    const double read_s = 0.005 * (i / 10 * 10 + 9);
+    const double begin_s = read_s + wire_s * (i % 10);
+    stream.add(begin_s, 0.0001, 7.0 + read_s + print_s * (i % 10));
+  }
+  return stream;
+}
+
+TEST(GyroClock, CountsWhereItsTimesAreThoseOfReadingOrPrintingSeveralSamples) {
+  for (const double print_s : {0.0, 3e-4}) {
+    const GyroStream stream = batches_of(4000, print_s);
+    const ClockFit fit = fit_gyro_clock(stream.received, stream.gyro, profile());
+    EXPECT_NE(fit.report.own_time_unused, "");
+    EXPECT_EQ(fit.report.gaps.size(), 0U);
+    ASSERT_EQ(fit.times.size(), 4000U);
+    const double first_s = to_s(fit.times[0].time.time_since_epoch());
+    for (std::size_t i = 100; i < fit.times.size(); ++i)  // the last of a batch is on its way at once
+      ASSERT_NEAR(to_s(fit.times[i].time.time_since_epoch()) - first_s, 0.005 * static_cast<double>(i),
+                  0.002);
+    EXPECT_LT(fit.report.bound_us, 1e5);
+  }
+}
+
+TEST(GyroClock, GoesOnWhereTheGyrosTimeOf32BitsBeginsAgain) {
+  constexpr double wrap_s = 4294.967296;
+  GyroStream stream;
+  for (int i = 0; i < 4000; ++i) {
+    const double own_s = wrap_s - 7.0 + 0.005 * i;
+    stream.add(0.005 * i, 0.0001, own_s < wrap_s ? own_s : own_s - wrap_s);
+  }
+  const ClockFit fit = fit_gyro_clock(stream.received, stream.gyro, profile());
+  EXPECT_EQ(fit.report.own_time_unused, "");
+  EXPECT_EQ(fit.report.epochs.size(), 1U);
+  EXPECT_EQ(fit.report.gaps.size(), 0U);
+  EXPECT_LT(worst_error_s(fit), 0.002);
+}
+
 TEST(GyroClock, CountsWhereTheOwnTimeIsInAnotherUnitOrMissing) {
   GyroStream stream = stream_of(4000, 1e-3);
   const ClockFit counted = fit_gyro_clock(stream.received, stream.gyro, profile());

@@ -49,7 +49,9 @@ struct ClockGap {
 
 /// How the clock of one device did over a recording.
 struct ClockReport {
-  std::string method;        // "one-way" or "two-way"; empty: too little came to say anything
+  std::string method;  // "one-way" or "two-way"; empty: too little came to say anything
+  std::string
+      own_time_unused;       // why samples were counted though the device sends a time; empty: they were not
   double rate_hz = 0.0;      // messages a second, measured
   double skew_ppm = 0.0;     // mean: device slower than nominal is positive
   double wander_ppm = 0.0;   // root mean square of the knots' skew about its mean

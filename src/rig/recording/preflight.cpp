@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "thermorig/core/auto_zero.h"
+#include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::rig {
 
@@ -219,6 +220,21 @@ void warn_of_rest(const PreflightRest& rest, Violations& warnings) {
          "switch that off in the device (WitMotion: registers 61 and 63)"});
 }
 
+/// Counted samples of a steady gyro have times as good as its own would be.
+void warn_of_times(const PreflightStream& stream, const GyroProfile& gyro, Violations& warnings) {
+  if (stream.own_time_unused.empty()) return;
+  warnings.push_back(
+      {.name = "gyro_times",
+       .device = Device::gyro,
+       .figure = "the gyro's own times are not those of its samples: " + stream.own_time_unused,
+       .limit = "one time a sample",
+       .advice = sensors::gyro_protocol(gyro.protocol).has_columns
+                     ? "time_column = -1 in [gyro.text] of the rig profile, or print the time at "
+                       "which each sample was taken"
+                     : "have the device stamp each sample when it is taken",
+       .consequence = "its times are not used, samples are counted"});
+}
+
 void judge_answers(const PreflightAnswers& answers, const ServoProfile& servo, const PreflightLimits& limits,
                    Violations& found) {
   if (answers.limit_rate_dps > 0.0 && servo.max_rate_dps > answers.limit_rate_dps)
@@ -258,6 +274,7 @@ PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, co
   }
   if (facts.images) warn_of_images(*facts.images, limits, found, report.warnings);
   if (facts.rest) judge_rest(*facts.rest, profile.gyro, limits, found);
+  if (facts.streams[Device::gyro]) warn_of_times(*facts.streams[Device::gyro], profile.gyro, report.warnings);
   if (facts.rest) warn_of_rest(*facts.rest, report.warnings);
   if (facts.answers) judge_answers(*facts.answers, profile.servo, limits, found);
   return report;

@@ -25,6 +25,7 @@ void clock_attributes(Visit& visit, Report& clock, FormatVersion version) {
   visit("bound_median_us", clock.bound_median_us);
   if (version >= with_checked_constants) visit("bound_wander_ppm", clock.bound_wander_ppm);
   if (version >= with_needed_wander) visit("needed_wander_ppm", clock.needed_wander_ppm);
+  if (version >= with_device_faults) visit("own_time_unused", clock.own_time_unused);
   visit("largest_constant_delay_s", clock.largest_constant_delay_s);
   visit("latency_s", clock.latency_s);
   visit("latency_uncertainty_s", clock.latency_uncertainty_s);

@@ -229,6 +229,16 @@ bool contradicts_less(const ClockEpoch& a, const ClockEpoch& b) {
   return quoted_s(a.reason) < quoted_s(b.reason);
 }
 
+/// Counted samples have times as good: what they are known to is judged.
+void judge_own_times(const Session& session, Verdict& verdict) {
+  const std::string& why = session.sync.clock[Device::gyro].own_time_unused;
+  const GyroProfile& gyro = session.raw.header.profile.gyro;
+  if (why.empty()) return;
+  verdict.usable_or_remark(
+      false, fmt::format("the gyro's own times are not those of its samples, which were counted: {}{}", why,
+                         gyro.text.time < 0 ? "" : " (say time_column = -1 in the rig profile)"));
+}
+
 void judge_epochs(const Session& session, Verdict& verdict) {
   for (const Device device : all_devices) {
     const auto& epochs = session.sync.clock[device].epochs;
@@ -253,6 +263,7 @@ void judge(const Session& session, Quality& quality) {
   judge_clocks(session, quality, verdict);
   judge_links(session, verdict);
   judge_epochs(session, verdict);
+  judge_own_times(session, verdict);
   judge_gyro(session, quality, verdict);
   judge_labels(quality, verdict);
   judge_servo(session, quality, verdict);
