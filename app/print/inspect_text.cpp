@@ -38,6 +38,16 @@ nlohmann::json annotations_json(const Session& session) {
   return list;
 }
 
+/// Empty if none is.
+std::string bad_pixels_told(const SyncReport& sync) {
+  std::string text;
+  const PixelPlaces places = pixel_places(sync.bad_pixels);
+  for (const std::uint16_t place : places)
+    text += fmt::format("{}row {} column {}", text.empty() ? "" : ", ", place / frame_columns,
+                        place % frame_columns);
+  return text.empty() ? text : fmt::format("bad pixels, filled from those around (from 0): {}", text);
+}
+
 std::string heading(const std::filesystem::path& path, const Session& session, const Quality& quality) {
   const RecordingHeader& header = session.raw.header;
   std::string text = printable(path.string()) + "\n";
@@ -57,6 +67,8 @@ std::string heading(const std::filesystem::path& path, const Session& session, c
     text += fmt::format("  annotated    {}\n", printable(words_of(annotation)));
   const std::string rows = rows_told(session.raw.events);
   if (!rows.empty()) text += fmt::format("  camera rows  {}\n", printable(rows));
+  if (const std::string pixels = bad_pixels_told(session.sync); !pixels.empty())
+    text += fmt::format("  camera       {}\n", pixels);
   if (!header.firmware.empty()) text += fmt::format("  servo        {}\n", printable(header.firmware));
   return text;
 }

@@ -182,6 +182,7 @@ bool are_rows_apart(const CameraOffset& offset);
 /// Everything of the kind.
 struct SyncReport {
   PerDevice<ClockReport> clock;
+  std::string bad_pixels;  // of the camera, "3,17 12,5": see core/bad_pixels.h; empty: none was found
   CameraOffset camera_offset;
   GyroErrors gyro;
   ServoResponse servo;
