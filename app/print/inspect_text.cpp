@@ -16,6 +16,7 @@
 #include "rows_text.h"
 #include "simulation_text.h"
 #include "speed_pairs.h"
+#include "thermorig/core/bad_pixels.h"
 #include "thermorig/storage/session/annotations.h"
 #include "timing_text.h"
 

@@ -246,7 +246,7 @@ TEST(BoardOdometer, IgnoresAndCountsWhatIsNoNumber) {
   const Room room = turning_room(60.0);
   auto all = seen_in(room);
   const auto sound = said_of(all);
-  const std::size_t frame = at(100.0), sample = at(101.0);
+  const std::size_t frame = at(50.0), sample = at(51.0);
   all[frame].frame.stamp.uncertainty_s = nan;
   all[frame + 5].frame.stamp.uncertainty_s = std::numeric_limits<float>::infinity();
   all[sample].gyro.front().reading.rate_dps = {nan, nan, nan};

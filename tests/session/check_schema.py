@@ -79,7 +79,7 @@ def check_sync(file):
         clock = file["sync"][device]
         for name in ("method", "rate_hz", "skew_ppm", "wander_ppm", "late_p50_us", "late_p95_us", "late_max_us",
                      "uncertainty_us", "bound_us", "bound_median_us", "bound_wander_ppm",
-                     "needed_wander_ppm", "largest_constant_delay_s", "latency_s",
+                     "needed_wander_ppm", "own_time_unused", "largest_constant_delay_s", "latency_s",
                      "latency_uncertainty_s"):
             if name not in clock.attrs:
                 yield f"sync/{device} has no attribute {name}"
@@ -151,7 +151,7 @@ def check_types(file):
 
 def check_root(file):
     expected = {"NX_class": "NXroot", "default": "samples", "format": "thermorig-session",
-                "format_version": "2.3.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
+                "format_version": "2.4.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
                 "Conventions": "CF-1.10", "start_time": "2026-07-25T14:35:59.900001Z",
                 "time_reference": "2026-07-25T14:35:59.900001Z"}
     for name, value in expected.items():

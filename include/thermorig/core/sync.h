@@ -123,6 +123,7 @@ struct GyroErrors {
   std::vector<BiasKnot> bias_course;
   double noise_dps = std::numeric_limits<double>::quiet_NaN();  // of a sample at rest; NaN: no rest was seen
   bool zeroes_itself = false;   // runs of exact zeros at rest: the device hides its bias
+  double decay_per_s = 0.0;     // share of a steady rate that it loses in a second; 0: none is seen
   bool bias_from_legs = false;  // bias_dps is what remains of equal speeds in both directions, not of rests
 };
 

@@ -96,7 +96,9 @@ void sync_attributes(Visit& visit, Report& sync, FormatVersion version) {
   visit("servo_gyro_ratio_uncertainty", sync.servo.gyro_ratio.uncertainty);
   visit(version.major < 2 ? "label_residual_dps" : "gyro_residual_dps", sync.servo.residual_dps);
   if (version >= with_checked_constants) constant_attributes(visit, sync);
-  if (version >= with_device_faults) visit("camera_bad_pixels", sync.bad_pixels);
+  if (version < with_device_faults) return;
+  visit("camera_bad_pixels", sync.bad_pixels);
+  visit("gyro_decay_per_s", sync.gyro.decay_per_s);
 }
 
 }  // namespace thermorig::session

@@ -147,6 +147,11 @@ void judge_zeroes(const GyroErrors& gyro, Verdict& verdict) {
 }
 
 void judge_gyro(const Session& session, const Quality& quality, Verdict& verdict) {
+  if (const double decay = session.sync.gyro.decay_per_s; decay > 0.0)
+    verdict.bad(fmt::format(
+        "the gyro's rate falls by {:.0f} % a second while the shaft turns at one speed: its filter "
+        "takes a steady turn for a bias; switch the device to raw rates (6 axes, no fusion)",
+        100.0 * decay));
   if (session.sync.gyro.zeroes_itself) judge_zeroes(session.sync.gyro, verdict);
   if (quality.sound == 0) return;
   const double share = static_cast<double>(quality.disagreeing) / static_cast<double>(quality.sound);

@@ -18,7 +18,7 @@ GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const Time
 /// scale only where the gyro's own was calibrated, else that of the profile with its uncertainty. Residuals
 /// are means over `frame_period_s`, of the legs only. Speeds at which the shaft turns otherwise than
 /// commanded take no part in the fit. Fills in `errors.bias_course` where both directions say that the bias
-/// moved.
+/// moved. Of a gyro whose rate decays nothing is taken.
 ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                                  GyroErrors& errors, const ServoProfile& profile,
                                  double frame_period_s = 0.125);
