@@ -16,7 +16,6 @@
 #include "rows_text.h"
 #include "simulation_text.h"
 #include "speed_pairs.h"
-#include "thermorig/core/bad_pixels.h"
 #include "thermorig/storage/session/annotations.h"
 #include "timing_text.h"
 
@@ -39,16 +38,6 @@ nlohmann::json annotations_json(const Session& session) {
   return list;
 }
 
-/// Empty if none is.
-std::string bad_pixels_told(const SyncReport& sync) {
-  std::string text;
-  const PixelPlaces places = pixel_places(sync.bad_pixels);
-  for (const std::uint16_t place : places)
-    text += fmt::format("{}row {} column {}", text.empty() ? "" : ", ", place / frame_columns,
-                        place % frame_columns);
-  return text.empty() ? text : fmt::format("bad pixels, filled from those around (from 0): {}", text);
-}
-
 std::string heading(const std::filesystem::path& path, const Session& session, const Quality& quality) {
   const RecordingHeader& header = session.raw.header;
   std::string text = printable(path.string()) + "\n";
@@ -68,8 +57,8 @@ std::string heading(const std::filesystem::path& path, const Session& session, c
     text += fmt::format("  annotated    {}\n", printable(words_of(annotation)));
   const std::string rows = rows_told(session.raw.events);
   if (!rows.empty()) text += fmt::format("  camera rows  {}\n", printable(rows));
-  if (const std::string pixels = bad_pixels_told(session.sync); !pixels.empty())
-    text += fmt::format("  camera       {}\n", pixels);
+  if (!session.sync.bad_pixels.empty())
+    text += fmt::format("  bad pixels   {} (row,column from 0)\n", printable(session.sync.bad_pixels));
   if (!header.firmware.empty()) text += fmt::format("  servo        {}\n", printable(header.firmware));
   return text;
 }

@@ -22,9 +22,9 @@ std::string what_is_sent(Device device) {
 
 std::string_view rate_advice(Device device, bool slow) {
   if (device == Device::camera)
-    return "say the rate that the camera was set to (--camera-rate, output_rate_hz in the rig profile), or "
-           "set "
-           "the camera; a link that is too slow for the rate gives fewer frames as well";
+    return "it was asked for the profile's rate and does not send it: say the rate that it has "
+           "(--camera-rate, output_rate_hz in the rig profile); a link that is too slow for the rate gives "
+           "fewer frames as well";
   if (device == Device::gyro)
     return slow ? "say the rate that the gyro was set to (output_rate_hz in the rig profile), or set the "
                   "gyro; "
