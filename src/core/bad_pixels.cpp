@@ -16,6 +16,7 @@ constexpr float memory_readings = 256.0F;
 constexpr float hot_c = 3.0F;
 constexpr float stuck_share = 0.1F;      // of the changes around it; those are noise at least
 constexpr float least_change_c = 0.02F;  // two steps of what the bridge sends
+constexpr float counts_per_c = 100.0F;   // the bridge's steps: frames of these are stored small
 constexpr float most_unread = 0.5F;
 constexpr std::size_t most_bad = 16;
 
@@ -115,7 +116,7 @@ void mend(ThermalFrame& frame, std::span<const std::uint16_t> bad) {
       sum_c += temp_c;
       count += 1.0F;
     }
-    if (count > 0.0F) frame.temp_c[place] = sum_c / count;
+    if (count > 0.0F) frame.temp_c[place] = std::round(sum_c / count * counts_per_c) / counts_per_c;
   }
 }
 

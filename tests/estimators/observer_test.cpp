@@ -46,6 +46,21 @@ TEST_F(AnEstimator, ThatDeclaresTheImageSeesItAndNoGyro) {
   EXPECT_TRUE(seen.gyro.empty());
 }
 
+TEST_F(AnEstimator, IsShownImagesWithoutTheCamerasBadPixels) {
+  constexpr std::size_t hot = 100;
+  Measurement measurement = newest();
+  for (int i = 0; i < 60; ++i) {
+    for (std::size_t p = 0; p < frame_pixels; ++p)
+      measurement.frame.frame.temp_c[p] = 20.0F + 0.01F * static_cast<float>((31 * i + 17 * p * p) % 97);
+    measurement.frame.frame.temp_c[hot] += 60.0F;
+    measurement.frame.fresh_even = measurement.frame.fresh_odd = frame_pixels / 2;
+    observer_.take(measurement);
+    const float seen_c = observer_.seen_with({.image = true}).frame.frame.temp_c[hot];
+    EXPECT_EQ(seen_c > 30.0F, i < 23) << i;
+  }
+  EXPECT_EQ(observer_.seen_with({.image = true}).frame.frame.temp_c[0], measurement.frame.frame.temp_c[0]);
+}
+
 TEST_F(AnEstimator, IsNotShownWhatIsNoNumber) {
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   Measurement measurement = newest();

@@ -48,7 +48,7 @@ class PixelWatch {
   PixelPlaces bad_;
 };
 
-/// Gives each bad pixel the mean of the good ones around it.
+/// Gives each bad pixel the mean of the good ones around it, in whole hundredths of a degree.
 void mend(ThermalFrame& frame, std::span<const std::uint16_t> bad);
 
 /// "3,17 12,5": row and column of each.
