@@ -14,7 +14,6 @@
 #include "ping_exchanges.h"
 #include "thermorig/core/bad_pixels.h"
 #include "thermorig/pipeline/interruptions.h"
-#include "thermorig/pipeline/labels/gyro_decay.h"
 #include "thermorig/pipeline/labels/gyro_filter.h"
 #include "thermorig/pipeline/labels/servo_response.h"
 #include "thermorig/pipeline/motion/panorama_fit.h"

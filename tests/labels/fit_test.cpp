@@ -9,7 +9,6 @@
 #include "simulation/servo_side.h"
 #include "thermorig/core/validity.h"
 #include "thermorig/pipeline/labels/exposure.h"
-#include "thermorig/pipeline/labels/gyro_decay.h"
 #include "thermorig/pipeline/labels/servo_response.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/sensors/wire/servo_messages.h"

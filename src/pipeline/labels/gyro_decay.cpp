@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/pipeline/labels/gyro_decay.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -8,6 +6,7 @@
 #include "gyro_integral.h"
 #include "intervals.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/servo_response.h"
 
 namespace thermorig::labels {
 
