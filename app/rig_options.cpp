@@ -82,9 +82,11 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
       ->check(CLI::IsMember({"winch", "180", "270", "continuous"}))
       ->type_name("KIND");
   command
-      .add_option("--simulated-camera", parts.camera,
-                  "Fresh chess halves in a simulated frame: half (default), full")
-      ->check(CLI::IsMember({"half", "full"}))
+      .add_option(
+          "--simulated-camera", parts.camera,
+          "Fresh chess halves in a simulated frame: half (default), full; query: half, and it waits to be "
+          "asked for frames")
+      ->check(CLI::IsMember({"half", "full", "query"}))
       ->type_name("KIND");
   command
       .add_option("--simulated-gyro", parts.gyro,
@@ -153,8 +155,7 @@ void add_rig(CLI::App& command, RigOptions& rig) {
   command.add_option("--servo-baud", rig.servo_baud, "Baud rate of the servo link")->type_name("N");
   command
       .add_option("--camera-rate", rig.camera_rate_hz,
-                  "Frames a second that the camera was set to. Nothing is sent to it; a simulated one "
-                  "sends so many")
+                  "Frames a second: the camera is asked for them (0.5, 1, 2, 4 or 8 of a GY-MCU90640)")
       ->type_name("HZ");
   add_simulated_parts(command, rig.parts);
 }

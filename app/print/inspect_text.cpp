@@ -58,6 +58,8 @@ std::string heading(const std::filesystem::path& path, const Session& session, c
     text += fmt::format("  annotated    {}\n", printable(words_of(annotation)));
   const std::string rows = rows_told(session.raw.events);
   if (!rows.empty()) text += fmt::format("  camera rows  {}\n", printable(rows));
+  if (!session.sync.bad_pixels.empty())
+    text += fmt::format("  bad pixels   {} (row,column from 0)\n", printable(session.sync.bad_pixels));
   if (!header.firmware.empty()) text += fmt::format("  servo        {}\n", printable(header.firmware));
   return text;
 }

@@ -94,6 +94,10 @@ std::span<const RateEstimate> Bank::add(const Measurement& measurement) {
   return parts.estimates;
 }
 
+std::uint64_t Bank::ignored() const {
+  return parts_->observer.ignored();
+}
+
 const Estimator* Bank::Parts::keeper() const {
   for (std::size_t i = 0; i < entries.size(); ++i)
     if (entries[i]->keeps_map) return estimators[i].get();

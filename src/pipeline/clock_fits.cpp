@@ -13,6 +13,7 @@
 #include "ping_exchanges.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/timing/arrivals.h"
+#include "thermorig/pipeline/timing/own_time.h"
 #include "thermorig/pipeline/timing/ping_clock.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"
@@ -41,6 +42,7 @@ class Figures {
  public:
   void add(const ClockReport& report, double messages) {
     if (report.method.empty() || messages <= 0.0) return;
+    if (own_time_unused_.empty()) own_time_unused_ = report.own_time_unused;
     messages_ += messages;
     for (std::size_t i = 0; i < means.size(); ++i) sums_[i] += messages * report.*means[i];
     for (std::size_t i = 0; i < largest.size(); ++i) most_[i] = std::max(most_[i], report.*largest[i]);
@@ -52,6 +54,7 @@ class Figures {
   void write_to(ClockReport& report) const {
     if (messages_ <= 0.0) return;
     report.method = method_;
+    report.own_time_unused = own_time_unused_;
     for (std::size_t i = 0; i < means.size(); ++i) report.*means[i] = sums_[i] / messages_;
     for (std::size_t i = 0; i < largest.size(); ++i) report.*largest[i] = most_[i];
     if (!is_checked_) report.bound_wander_ppm = 0.0;
@@ -72,6 +75,7 @@ class Figures {
   double messages_ = 0.0;
   double most_messages_ = 0.0;
   std::string method_;
+  std::string own_time_unused_;
 };
 
 template <typename Item>
@@ -93,20 +97,28 @@ std::vector<double> turns_s(std::span<const labels::FrameGap> gaps, double rate_
   return device_s;
 }
 
-/// The gyro's own time of each sample, if there is one with each and they go as fast as its clock can be.
-std::vector<double> own_times_s(std::span<const TimedGyro> gyro, const ClockProperties& clock) {
+/// The gyro's own time of each sample, if there is one with each, they are those of samples (`why_unused`
+/// gets the reason if they are not), and no torn lines make them go faster than its clock can.
+std::vector<double> own_times_s(std::span<const TimedGyro> gyro, const ClockProperties& clock,
+                                double nominal_rate_hz, std::string& why_unused) {
   if (!clock.sends_time()) return {};
-  std::vector<double> device_s;
-  double forward_s = 0.0;
+  std::vector<timing::OwnStamp> times;
+  timing::UnwrappedTime unwrapped;
   for (const TimedGyro& sample : gyro) {
     if (!sample.reading.device_time_us) return {};
-    const double time_s = 1e-6 * static_cast<double>(*sample.reading.device_time_us);
-    if (!device_s.empty()) forward_s += std::max(0.0, time_s - device_s.back());
-    device_s.push_back(time_s);
+    const HostTime arrival = sample.stamp.arrival;
+    times.push_back({unwrapped.unwrap_s(*sample.reading.device_time_us, arrival), arrival});
+  }
+  why_unused = timing::why_no_sample_times(times, nominal_rate_hz, clock.rate_error_max);
+  std::vector<double> device_s;
+  double forward_s = 0.0;
+  for (const timing::OwnStamp& time : times) {
+    if (!device_s.empty()) forward_s += std::max(0.0, time.own_s - device_s.back());
+    device_s.push_back(time.own_s);
   }
   const double host_s = to_s(gyro.back().stamp.time - gyro.front().stamp.time);
   const bool is_believable = std::abs(forward_s - host_s) <= clock.rate_error_max * host_s;
-  return is_believable ? device_s : std::vector<double>{};
+  return is_believable && why_unused.empty() ? device_s : std::vector<double>{};
 }
 
 std::vector<double> counted_times_s(const RawStream& received, std::span<const TimedGyro> gyro,
@@ -143,9 +155,13 @@ ClockFit fit_gyro_clock(const RawStream& received, std::span<const TimedGyro> gy
                         const GyroProfile& profile) {
   const auto spans = spans_of(gyro);
   if (!holds(received, spans)) return {};
-  auto device_s = own_times_s(gyro, sensors::gyro_protocol(profile.protocol).clock(profile));
+  std::string why_unused;
+  auto device_s = own_times_s(gyro, sensors::gyro_protocol(profile.protocol).clock(profile),
+                              profile.output_rate_hz, why_unused);
   if (device_s.empty()) device_s = counted_times_s(received, gyro, spans, profile);
-  return fit_one_way(received, spans, device_s, profile.link, profile.output_rate_hz);
+  ClockFit fit = fit_one_way(received, spans, device_s, profile.link, profile.output_rate_hz);
+  fit.report.own_time_unused = std::move(why_unused);
+  return fit;
 }
 
 ClockFit fit_servo_clock(const RawStream& received, const RawStream& sent, const Streams& streams,

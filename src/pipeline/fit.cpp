@@ -13,6 +13,7 @@
 #include "images_share.h"
 #include "message_spans.h"
 #include "ping_exchanges.h"
+#include "thermorig/core/bad_pixels.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/labels/gyro_filter.h"
 #include "thermorig/pipeline/labels/servo_response.h"
@@ -174,6 +175,15 @@ std::optional<double> answered_bandwidth_hz(const RawRecording& raw) {
   return protocol.bandwidth_hz(bytes);
 }
 
+/// What is made of the images from here on is made without them.
+std::string mend_bad_pixels(std::vector<TimedFrame>& frames) {
+  PixelWatch watch;
+  for (const TimedFrame& frame : frames) watch.add(frame);
+  if (!watch.bad().empty())
+    for (TimedFrame& frame : frames) mend(frame.frame, watch.bad());
+  return text_of(watch.bad());
+}
+
 }  // namespace
 
 Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
@@ -189,7 +199,9 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   expose(streams.frames, profile.camera, fits);
 
   SyncReport sync;
+  sync.bad_pixels = mend_bad_pixels(streams.frames);
   sync.gyro = labels::fit_gyro_errors(streams.gyro, streams.servo, profile.gyro);
+  sync.gyro.decay_per_s = labels::gyro_decay_per_s(streams.gyro, streams.servo, sync.gyro);
   labels::fit_gyro_filter(streams.gyro, streams.servo, profile.gyro, sync.gyro, answered_bandwidth_hz(raw));
   apply_filter_delay(sync.gyro, clocks[Device::gyro]);
   put_times(clocks[Device::gyro].times, streams.gyro);

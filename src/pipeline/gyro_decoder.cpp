@@ -16,13 +16,6 @@ constexpr double missing_steps = 1.5;  // so long a step is one in which a sampl
 constexpr double most_missing = 1e9;
 constexpr double least_delay_s = 1e-4;  // of a filter: shorter is none to speak of
 
-timing::StampHint hint(const wire::GyroMessage& message) {
-  timing::StampHint hint{.lost_before = message.lost_before, .device_s = {}};
-  const auto& device_time_us = message.reading.device_time_us;
-  if (device_time_us) hint.device_s = 1e-6 * static_cast<double>(*device_time_us);
-  return hint;
-}
-
 /// What the gyro's low-pass delays, where that is stated, belongs to its link's latency: for times that are
 /// told at once. What is fitted afterwards has a better one.
 PortProfile link_with_filter(const GyroProfile& profile) {
@@ -33,10 +26,9 @@ PortProfile link_with_filter(const GyroProfile& profile) {
 }
 }  // namespace
 
-void GyroLosses::sample(const TimedGyro& sample, double counted) {
-  const auto& own_us = sample.reading.device_time_us;
-  if (own_us) look_at_step(sample.stamp.time, 1e-6 * static_cast<double>(*own_us));
-  settle(sample.stamp.arrival, own_us ? own_missing_ : counted);
+void GyroLosses::sample(const Stamp& stamp, const std::optional<double>& own_s, double counted) {
+  if (own_s) look_at_step(stamp.time, *own_s);
+  settle(stamp.arrival, own_s ? own_missing_ : counted);
 }
 
 void GyroLosses::interrupt() {
@@ -82,6 +74,8 @@ void GyroLosses::settle(HostTime now, double missing) {
 GyroDecoder::GyroDecoder(const GyroProfile& profile, const Fits& fits)
     : scanner_(sensors::gyro_scanner(profile)),
       timing_(link_with_filter(profile), causal_rate_hz(fits.times[Device::gyro], profile.output_rate_hz)),
+      own_clock_(profile.output_rate_hz,
+                 sensors::gyro_protocol(profile.protocol).clock(profile).rate_error_max),
       final_times_(fits.times[Device::gyro]),
       axis_(static_cast<std::size_t>(profile.axis)),
       sign_(static_cast<float>(profile.sign)) {
@@ -90,6 +84,7 @@ GyroDecoder::GyroDecoder(const GyroProfile& profile, const Fits& fits)
 
 std::span<const TimedGyro> GyroDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
                                              std::vector<TimedGyro>& out) {
+  arrived_ = arrived;
   scanner_.push(chunk, messages_);
   timing_.chunk(scanner_.counters().bytes_received, arrived);
   return take(out);
@@ -105,20 +100,33 @@ std::span<const TimedGyro> GyroDecoder::interrupt(std::vector<TimedGyro>& out) {
   finish(out);
   scanner_.restart();
   timing_.restart();
+  own_clock_.restart();
   losses_.interrupt();
   was_away_ = scanner_.counters().messages > 0;
   return std::span(out).subspan(first);
 }
 
+timing::StampHint GyroDecoder::hint(const wire::GyroMessage& message) {
+  const bool was_unused = own_clock_.is_unused();
+  const auto own_s = own_clock_.place_s(message.reading.device_time_us, arrived_);
+  if (own_clock_.is_unused() && !was_unused) {
+    timing_.forget_clock();
+    losses_.interrupt();
+  }
+  return {.lost_before = message.lost_before, .device_s = own_s};
+}
+
 std::span<const TimedGyro> GyroDecoder::take(std::vector<TimedGyro>& out) {
   const std::size_t first = out.size();
   for (const wire::GyroMessage& message : messages_) {
+    const timing::StampHint place = hint(message);
     out.push_back({.reading = message.reading,
                    .span = message.span,
-                   .stamp = timing_.stamp(message.span, hint(message)),
+                   .stamp = timing_.stamp(message.span, place),
                    .rate_dps = sign_ * message.reading.rate_dps[axis_],
                    .lost_before = std::exchange(was_away_, false) || message.lost_before});
-    if (!final_times_.put_next(out.back().stamp)) losses_.sample(out.back(), timing_.missing());
+    if (!final_times_.put_next(out.back().stamp))
+      losses_.sample(out.back().stamp, place.device_s, timing_.missing());
   }
   messages_.clear();
   counters_ = scanner_.counters();

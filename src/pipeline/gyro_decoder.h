@@ -14,6 +14,7 @@
 #include "thermorig/core/time.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/timing/link_timing.h"
+#include "thermorig/pipeline/timing/own_time.h"
 #include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::pipeline {
@@ -23,10 +24,12 @@ namespace thermorig::pipeline {
 /// rate. That clock takes back what only came late, so a loss counts when it has stood for some seconds.
 class GyroLosses {
  public:
-  /// The next sample. `counted`: samples missing so far by the clock, LinkTiming::missing().
-  void sample(const TimedGyro& sample, double counted);
+  /// The next sample. `own_s`: by its own clock, if that is of use; `counted`: samples missing so far by the
+  /// clock that counts, LinkTiming::missing().
+  void sample(const Stamp& stamp, const std::optional<double>& own_s, double counted);
 
-  /// The gyro is away, and its clock forgotten: what it does not send meanwhile is not lost.
+  /// The gyro is away, or its own times are of no use, and its clock forgotten: what it does not send
+  /// meanwhile is not lost.
   void interrupt();
 
   std::uint64_t count() const { return before_ + settled_; }
@@ -70,15 +73,18 @@ class GyroDecoder {
 
  private:
   std::span<const TimedGyro> take(std::vector<TimedGyro>& out);
+  timing::StampHint hint(const wire::GyroMessage& message);
 
   sensors::GyroScanner scanner_;
   timing::LinkTiming timing_;
+  timing::OwnClock own_clock_;
   FinalTimes final_times_;
   GyroLosses losses_;
   wire::Counters counters_;
   std::size_t axis_;
   float sign_;
   bool was_away_ = false;                    // since the last sample
+  HostTime arrived_{};                       // of the newest chunk
   std::vector<wire::GyroMessage> messages_;  // empty between calls; kept for its memory
 };
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"
 
@@ -12,18 +11,20 @@ namespace thermorig::sensors {
 
 namespace {
 
-template <typename Protocol, typename Profile>
-std::vector<std::uint8_t> request_of(const Protocol& protocol, const Profile& profile, unsigned asked) {
-  return protocol.request == nullptr ? std::vector<std::uint8_t>() : protocol.request(profile, asked);
+Commands request_of(const GyroProfile& profile, unsigned asked) {
+  const GyroProtocol& protocol = gyro_protocol(profile.protocol);
+  std::vector<std::uint8_t> bytes;
+  if (protocol.request != nullptr) bytes = protocol.request(profile, asked);
+  return bytes.empty() ? Commands() : Commands{std::move(bytes)};
 }
 
 void add_steps(std::span<const UsualBaud> bauds, const std::vector<std::uint8_t>& greeting,
-               std::vector<SearchStep>& steps) {
+               bool only_if_silent, std::vector<SearchStep>& steps) {
   for (const UsualBaud& usual : bauds) {
     const auto same = std::find_if(steps.begin(), steps.end(),
                                    [&](const auto& step) { return step.at.baud == usual.baud; });
     if (same == steps.end())
-      steps.push_back({usual, greeting});
+      steps.push_back({usual, greeting, only_if_silent});
     else
       same->at.share = std::max(same->at.share, usual.share);
   }
@@ -49,12 +50,14 @@ DeviceStream device_stream(Device device, const RigProfile& profile) {
   return {servo.name, servo.sends, servo.message_bytes, servo.rate_hz, servo.clock};
 }
 
-std::vector<std::uint8_t> stream_request(Device device, const RigProfile& profile, unsigned asked) {
+Commands stream_request(Device device, const RigProfile& profile, unsigned asked) {
   switch (device) {
-    case Device::camera:
-      return request_of(camera_protocol(profile.camera.protocol), profile.camera, asked);
+    case Device::camera: {
+      const CameraProtocol& camera = camera_protocol(profile.camera.protocol);
+      return camera.request == nullptr ? Commands() : camera.request(profile.camera);
+    }
     case Device::gyro:
-      return request_of(gyro_protocol(profile.gyro.protocol), profile.gyro, asked);
+      return request_of(profile.gyro, asked);
     case Device::servo:
       break;
   }
@@ -76,9 +79,11 @@ std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double he
 
 std::vector<SearchStep> search_steps() {
   std::vector<SearchStep> steps;
-  for (const CameraProtocol& camera : camera_protocols()) add_steps(camera.bauds, {}, steps);
-  for (const GyroProtocol& gyro : gyro_protocols()) add_steps(gyro.bauds, {}, steps);
-  add_steps(servo_protocol().bauds, servo_protocol().greeting(), steps);
+  for (const CameraProtocol& camera : camera_protocols())
+    add_steps(camera.bauds, camera.greeting == nullptr ? std::vector<std::uint8_t>() : camera.greeting(),
+              true, steps);
+  for (const GyroProtocol& gyro : gyro_protocols()) add_steps(gyro.bauds, {}, false, steps);
+  add_steps(servo_protocol().bauds, servo_protocol().greeting(), false, steps);
   return steps;
 }
 

@@ -66,6 +66,7 @@ struct Packet {
   Bytes checked;                              // what the checksum is of: all but the sync
   Bytes payload;
   std::uint16_t checksum = 0;
+  bool is_short = false;  // version 1, which leaves nothing out, with less than its message has
 };
 
 /// The header of a packet; its bytes from the payload on may be missing yet.
@@ -105,6 +106,8 @@ Packet packet_at(Bytes rest) {
   packet.checked = rest.subspan(1, payload_end - 1);
   packet.payload = rest.subspan(header.bytes, rest[mavlink::length_offset]);
   packet.checksum = wire::u16_at(rest, payload_end);
+  packet.is_short =
+      !header.is_v2 && packet.message != nullptr && packet.payload.size() < packet.message->payload_min;
   return packet;
 }
 
@@ -241,6 +244,7 @@ class MavlinkScanner {
   std::size_t step(Bytes rest, std::vector<GyroMessage>& out);
   std::size_t wait();
   std::size_t take_packet(const Packet& packet, std::vector<GyroMessage>& out);
+  std::size_t take_bad(const Packet& packet, std::uint64_t& counter);
   bool is_chosen(const Sender& sender);
   std::optional<GyroReading> reading_of(const Packet& packet);
   std::size_t refuse_packet(std::size_t size);
@@ -277,13 +281,9 @@ std::size_t MavlinkScanner::wait() {
 
 std::size_t MavlinkScanner::take_packet(const Packet& packet, std::vector<GyroMessage>& out) {
   locked_ = true;
+  if (packet.is_short) return take_bad(packet, ledger_.counters.bad_length);
   const std::optional<GyroReading> reading = reading_of(packet);
-  if (reading && !is_sound(*reading)) {
-    ++ledger_.counters.bad_value;
-    ledger_.mark_damage(packet.size);
-    ledger_.book_gap(packet.size);
-    return packet.size;
-  }
+  if (reading && !is_sound(*reading)) return take_bad(packet, ledger_.counters.bad_value);
   const StreamSpan span = ledger_.book_message(packet.size);
   if (!reading) {
     ++ledger_.counters.replies;
@@ -291,6 +291,14 @@ std::size_t MavlinkScanner::take_packet(const Packet& packet, std::vector<GyroMe
   }
   out.push_back({*reading, span, ledger_.take_gap()});
   ++ledger_.counters.messages;
+  return packet.size;
+}
+
+/// Its check sum is good, its content is not.
+std::size_t MavlinkScanner::take_bad(const Packet& packet, std::uint64_t& counter) {
+  ++counter;
+  ledger_.mark_damage(packet.size);
+  ledger_.book_gap(packet.size);
   return packet.size;
 }
 

@@ -53,6 +53,13 @@ Camera::Camera(const CameraConfig& config, const Panorama& panorama, std::uint64
                          config.scene, seed);
 }
 
+void Camera::set_output_rate(double output_rate_hz) {
+  const double period_s = refresh_period_s_;
+  config_.output_rate_hz = output_rate_hz;
+  refresh_period_s_ = refresh_period(config_);
+  noise_.grow(std::sqrt(period_s / refresh_period_s_));
+}
+
 /// How long before the last row it is integrated.
 std::int64_t Camera::row_offset_ns(std::size_t row) const {
   const double part = static_cast<double>(row) / (frame_rows - 1);

@@ -49,6 +49,9 @@ class Camera {
   /// The frames whose exposure ends by the time up to which the shaft is known.
   std::vector<SimulatedFrame> follow(const Shaft& shaft);
 
+  /// From the next chess half on.
+  void set_output_rate(double output_rate_hz);
+
  private:
   struct Half {  // a chess half that is being integrated
     unsigned parity = 0;
@@ -94,7 +97,7 @@ class Camera {
 struct CameraEncoder {
   std::string_view name;
   std::vector<std::uint8_t> (*bytes)(const SimulatedFrame& frame, const CameraProfile& profile);
-  /// None: it is deaf and sends by itself. One that listens sends frames once it was asked to.
+  /// None: it hears nothing and sends by itself.
   Heard (*hear)(std::span<const std::uint8_t> bytes, const CameraProfile& profile) = nullptr;
 };
 

@@ -12,7 +12,22 @@ std::vector<std::uint8_t> gy_mcu90640_bytes(const SimulatedFrame& frame, const C
   return wire::camera_frame(frame.frame);
 }
 
-constexpr std::array all_camera_encoders{CameraEncoder{"gy-mcu90640", gy_mcu90640_bytes}};
+/// Rate, one frame, automatic output: the manual's table. What else it may be told is not heard.
+Heard gy_mcu90640_hear(std::span<const std::uint8_t> bytes, const CameraProfile&) {
+  constexpr std::array rates_hz{0.5, 1.0, 2.0, 4.0, 8.0};
+  Heard heard;
+  for (std::size_t i = 0; i + 4 <= bytes.size(); ++i) {
+    if (bytes[i] != 0xA5 || bytes[i + 3] != static_cast<std::uint8_t>(0xA5 + bytes[i + 1] + bytes[i + 2]))
+      continue;
+    const unsigned value = bytes[i + 2];
+    if (bytes[i + 1] == 0x25 && value < rates_hz.size()) heard.rate_hz = rates_hz[value];
+    if (bytes[i + 1] == 0x35) heard.asks_for_one = value == 1;
+    if (bytes[i + 1] == 0x35) heard.asks_for_stream = value == 2;
+  }
+  return heard;
+}
+
+constexpr std::array all_camera_encoders{CameraEncoder{"gy-mcu90640", gy_mcu90640_bytes, gy_mcu90640_hear}};
 
 }  // namespace
 

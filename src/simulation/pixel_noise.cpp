@@ -75,6 +75,10 @@ void PixelNoise::kill_pixels(int count, Random& random) {
                      static_cast<float>(random.uniform(-10.0, 60.0))});
 }
 
+void PixelNoise::grow(double factor) {
+  for (float& sigma_k : sigma_k_) sigma_k *= static_cast<float>(factor);
+}
+
 void PixelNoise::read_half(const PixelColumns& seen_c, unsigned parity, double time_s, ThermalFrame& frame) {
   const double warming_k =
       (world_warm_up_k_ + (warm_ ? 0.0 : warm_up_k_)) * std::exp(-time_s / warm_up_time_s);

@@ -30,6 +30,9 @@ class PixelNoise {
   /// `frame`.
   void read_half(const PixelColumns& seen_c, unsigned parity, double time_s, ThermalFrame& frame);
 
+  /// From the next half on: another refresh rate.
+  void grow(double factor);
+
   /// The sensor's own temperature.
   float sensor_temp_c(double time_s);
 

@@ -62,6 +62,7 @@ struct Sender {
   std::vector<SentMessage> sent;  // where truth is kept
   std::uint64_t count = 0;
   bool streams = true;  // else it waits to be asked for its messages
+  bool owes_one = false;
 };
 
 }  // namespace
@@ -120,7 +121,7 @@ VirtualRig::Parts::Parts(const VirtualRigConfig& rig, std::unique_ptr<Firmware> 
       camera_sender{UartLine(rig.profile.camera.link.baud, rig.world.links.baud_error),
                     {},
                     0,
-                    camera_encoder.hear == nullptr},
+                    rig.camera_start != CameraStart::when_asked},
       gyro_sender{UartLine(rig.profile.gyro.link.baud, rig.world.links.baud_error),
                   {},
                   0,
@@ -187,7 +188,9 @@ void VirtualRig::Parts::send(Device device, Sender& sender, const Message& messa
 
 /// An answer goes out behind what the line carries by then.
 void VirtualRig::Parts::heard(Device device, Sender& sender, const Heard& heard, std::int64_t time_ns) {
-  sender.streams = sender.streams || heard.asks_for_stream;
+  sender.streams = (sender.streams || heard.asks_for_stream) && !heard.asks_for_one;
+  sender.owes_one = sender.owes_one || heard.asks_for_one;
+  if (device == Device::camera && heard.rate_hz) camera.set_output_rate(*heard.rate_hz);
   line_bytes.clear();
   sender.line.send(heard.answer, time_ns, line_bytes);
   pass_on(device, line_bytes);
@@ -196,7 +199,9 @@ void VirtualRig::Parts::heard(Device device, Sender& sender, const Heard& heard,
 /// A bridge whose line is still busy with the frame before leaves a frame out.
 void VirtualRig::Parts::send_frames() {
   for (const SimulatedFrame& frame : camera.follow(shaft)) {
-    if (!camera_sender.streams || camera_sender.line.backlog_ns(frame.ready_ns) > 0) continue;
+    const bool is_wanted = camera_sender.streams || camera_sender.owes_one;
+    if (!is_wanted || camera_sender.line.backlog_ns(frame.ready_ns) > 0) continue;
+    camera_sender.owes_one = false;
     send(Device::camera, camera_sender,
          {camera_encoder.bytes(frame, config.profile.camera), frame.ready_ns, frame.exposure_begin,
           frame.exposure_end});
@@ -235,7 +240,8 @@ void VirtualRig::send(Device to, std::span<const std::uint8_t> bytes, HostTime n
   const RigProfile& profile = parts.config.profile;
   if (to == Device::servo)
     parts.servo.send(bytes, begin_ns);
-  else if (to == Device::camera && parts.camera_encoder.hear != nullptr)
+  else if (to == Device::camera && parts.camera_encoder.hear != nullptr &&
+           parts.config.camera_start != CameraStart::deaf)
     parts.heard(to, parts.camera_sender, parts.camera_encoder.hear(bytes, profile.camera), begin_ns);
   else if (to == Device::gyro && parts.gyro_encoder.hear != nullptr)
     parts.heard(to, parts.gyro_sender,

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "../session/synthetic_session.h"
+#include "thermorig/core/bad_pixels.h"
 #include "thermorig/core/error.h"
 #include "thermorig/estimators/table.h"
 #include "thermorig/learning/dataset/dataset.h"
@@ -37,6 +38,10 @@ TEST(Acquisition, HasARowAFrame) {
   ASSERT_EQ(acquisition.frames(), 130U);
   ASSERT_EQ(acquisition.temp_c.size(), 130U * frame_pixels);
   EXPECT_EQ(acquisition.temp_c[100 * frame_pixels + 17], session.frames[100].frame.temp_c[17]);
+  ThermalFrame mended = session.frames[100].frame;
+  mend(mended, pixel_places("3,17 12,5"));  // the session's bad pixels
+  constexpr std::size_t bad = 3 * frame_columns + 17;
+  EXPECT_EQ(acquisition.temp_c[100 * frame_pixels + bad], mended.temp_c[bad]);
   EXPECT_EQ(acquisition.gyro_dps[100], session.samples[100].rate_gyro_dps);
   EXPECT_EQ(acquisition.time[100], session.samples[100].time);
   EXPECT_EQ(acquisition.run[100], 2U);

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 
+#include "rig/recording/preflight_watch.h"
 #include "rig/simulated_bus.h"
 #include "thermorig/core/error.h"
 
@@ -336,6 +338,32 @@ TEST(Preflight, JudgesABiasThatWasMeasured) {
   EXPECT_THAT(report.violations[0].advice, HasSubstr("until it is warm"));
   facts.rest->mean_dps = 1.9;
   EXPECT_TRUE(judge(facts, profile).passed());
+}
+
+/// As a sketch sends it that empties the gyro's FIFO: ten samples in a row, all with one time.
+TEST(Preflight, WarnsOfTimesThatAreNotThoseOfSamplesAndMissesNone) {
+  RigProfile profile = simulation::default_profile();
+  profile.gyro.protocol = "text";
+  profile.gyro.text.time = 0;
+  const HostTime begin(from_s(1.0));
+  for (const int batch : {1, 10}) {
+    PreflightWatch watch;
+    watch.begin(begin, {}, profile);
+    for (int i = 0; i < 1000; ++i) {
+      const double read_s = (i / batch + 1) * batch / 200.0;
+      TimedGyro gyro;
+      gyro.stamp.arrival = begin + from_s(read_s);
+      gyro.reading.device_time_us = std::llround(1e6 * read_s);
+      watch.gyro(gyro);
+    }
+    const PreflightReport report = judge(watch.facts(begin + from_s(5.0), {}, profile), profile);
+    EXPECT_EQ(report.facts.streams[Device::gyro]->lost_share, 0.0) << batch;
+    const auto is_of_times = [](const PreflightViolation& one) { return one.name == "gyro_times"; };
+    const auto warning = std::find_if(report.warnings.begin(), report.warnings.end(), is_of_times);
+    ASSERT_EQ(warning != report.warnings.end(), batch > 1);
+    if (batch == 1) continue;
+    EXPECT_THAT(warning->advice, HasSubstr("time_column = -1"));
+  }
 }
 
 TEST(Preflight, JudgesClocksAndAnswers) {

@@ -49,6 +49,7 @@ simulation::VirtualRigConfig good_rig() {
 
 std::vector<Check> device_with(const std::function<void(RigProfile&)>& differs) {
   simulation::VirtualRigConfig config = good_rig();
+  config.camera_start = simulation::CameraStart::deaf;  // what it is asked for, it does not do
   differs(config.profile);
   return rig_with(config, good_rig().profile, [](SimulatedBus&) {});
 }

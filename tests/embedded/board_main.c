@@ -49,13 +49,13 @@ static void print(const char* what, const LOWER(_output) * output) {
          (double)output->gain);
 }
 
-/* Their speeds are of no interest; that the program goes on is. */
+/* They make no window. */
 static void push_spoiled_frames(void) {
   const float spoiled[4] = {NAN, INFINITY, -INFINITY, 3e38f};
   for (int i = 0; i < 4 * FRAMES_A_WINDOW; ++i) {
     LOWER(_output) output;
     for (int pixel = 0; pixel < FRAME; ++pixel) temp_c[pixel] = spoiled[(i + pixel) % 4];
-    push(spoiled[i % 4], &output);
+    if (push(spoiled[i % 4], &output)) print("window", &output);
   }
 }
 

@@ -241,6 +241,24 @@ TEST(BoardOdometer, BearsWhatNoSensorSends) {
   }
 }
 
+TEST(BoardOdometer, IgnoresAndCountsWhatIsNoNumber) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  const Room room = turning_room(60.0);
+  auto all = seen_in(room);
+  const auto sound = said_of(all);
+  const std::size_t frame = at(50.0), sample = at(51.0);
+  all[frame].frame.stamp.uncertainty_s = nan;
+  all[frame + 5].frame.stamp.uncertainty_s = std::numeric_limits<float>::infinity();
+  all[sample].gyro.front().reading.rate_dps = {nan, nan, nan};
+  all[sample].gyro.front().rate_dps = nan;
+  const auto said = said_of(all);
+  EXPECT_EQ(said[frame - 1].output.ignored, 0U);
+  EXPECT_EQ(said.back().output.ignored, 3U);
+  EXPECT_TRUE(std::isfinite(said.back().output.nis));
+  EXPECT_EQ(said.back().state, sound.back().state);
+  EXPECT_NEAR(said.back().heading_deg, sound.back().heading_deg, 0.5);
+}
+
 /// The text that is written out, under another name, and the library that tests use are the same.
 TEST(BoardOdometerSource, CompilesStrictlyAndSaysTheSame) {
   const RigProfile rig = data_sheet_rig();

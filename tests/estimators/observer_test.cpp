@@ -46,6 +46,42 @@ TEST_F(AnEstimator, ThatDeclaresTheImageSeesItAndNoGyro) {
   EXPECT_TRUE(seen.gyro.empty());
 }
 
+TEST_F(AnEstimator, IsShownImagesWithoutTheCamerasBadPixels) {
+  constexpr std::size_t hot = 100;
+  Measurement measurement = newest();
+  for (int i = 0; i < 60; ++i) {
+    for (std::size_t p = 0; p < frame_pixels; ++p)
+      measurement.frame.frame.temp_c[p] = 20.0F + 0.01F * static_cast<float>((31 * i + 17 * p * p) % 97);
+    measurement.frame.frame.temp_c[hot] += 60.0F;
+    measurement.frame.fresh_even = measurement.frame.fresh_odd = frame_pixels / 2;
+    observer_.take(measurement);
+    const float seen_c = observer_.seen_with({.image = true}).frame.frame.temp_c[hot];
+    EXPECT_EQ(seen_c > 30.0F, i < 23) << i;
+  }
+  EXPECT_EQ(observer_.seen_with({.image = true}).frame.frame.temp_c[0], measurement.frame.frame.temp_c[0]);
+}
+
+TEST_F(AnEstimator, IsNotShownWhatIsNoNumber) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  Measurement measurement = newest();
+  ASSERT_GE(measurement.gyro.size(), 3U);
+  measurement.gyro[0].rate_dps = nan;
+  measurement.gyro[1].reading.rate_dps[2] = std::numeric_limits<float>::infinity();
+  measurement.gyro[2].stamp.uncertainty_s = nan;
+  observer_.take(measurement);
+  EXPECT_EQ(observer_.ignored(), 3U);
+  const Observation seen = observer_.seen_with({.image = true, .gyro = true});
+  EXPECT_EQ(seen.gyro.size(), measurement.gyro.size() - 3);
+  EXPECT_FALSE(std::isnan(seen.frame.frame.temp_c[0]));
+  measurement.frame.stamp.uncertainty_s = nan;
+  observer_.take(measurement);
+  EXPECT_EQ(observer_.ignored(), 7U);
+  const Observation blank = observer_.seen_with({.image = true});
+  EXPECT_TRUE(std::isnan(blank.frame.frame.temp_c[0]));
+  EXPECT_TRUE(std::isfinite(blank.frame.stamp.uncertainty_s));
+  EXPECT_EQ(blank.frame.exposure_end, measurement.frame.exposure_end);
+}
+
 TEST_F(AnEstimator, ThatDeclaresTheGyroSeesItAndNoImage) {
   const Observation seen = observer_.seen_with({.gyro = true});
   EXPECT_EQ(seen.gyro.data(), newest().gyro.data());

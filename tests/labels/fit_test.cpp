@@ -487,6 +487,41 @@ TEST(GyroErrors, OfAGyroThatZeroesItselfTheBiasComesFromLegsInBothDirections) {
   EXPECT_LT(errors.bias_dps->uncertainty, 1.0);
 }
 
+/// A filter that fuses sensors takes what is steady for a bias, within `seconds`.
+void let_decay(std::vector<TimedGyro>& gyro, double seconds) {
+  double bias_dps = 0.0;
+  for (std::size_t i = 1; i < gyro.size(); ++i) {
+    gyro[i].rate_dps -= static_cast<float>(bias_dps);
+    bias_dps += double{gyro[i].rate_dps} * to_s(gyro[i].stamp.time - gyro[i - 1].stamp.time) / seconds;
+  }
+}
+
+TEST(GyroErrors, AGyroWhoseRateDecaysInASteadyTurnIsNamedAndNothingOfTheServoIsTakenFromIt) {
+  for (const double seconds : {2.0, 10.0}) {
+    TrueTimes recording = record(rig_of(2160.0, 8.0, 57), {60, -60, 120, -120, 60, -60, 90, -90});
+    let_decay(recording.gyro, seconds);
+    GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
+    errors.decay_per_s = gyro_decay_per_s(recording.gyro, recording.servo, errors);
+    EXPECT_GT(errors.decay_per_s, 0.4 / seconds);
+    EXPECT_LT(errors.decay_per_s, 1.1 / seconds);
+    EXPECT_FALSE(fit_servo_response(recording.servo, recording.gyro, errors, recording.profile.servo).fitted);
+    EXPECT_TRUE(errors.bias_course.empty());
+  }
+}
+
+TEST(GyroErrors, NoDecayIsSeenOfASoundGyroWhateverTheServoDoes) {
+  std::uint64_t seed = 60;
+  for (const char* world :
+       {"honest", "typical", "hard", "honest,servo.supply_sag=0.6", "honest,servo.stick_deg=2.5",
+        "honest,servo.load_deg=2", "honest,gyro.self_heating_k=10"}) {
+    auto config = rig_of(2160.0, 8.0, ++seed);
+    put_in_world(simulation::world_named(world, seed), config);
+    const TrueTimes recording = record(config, {40, -40, 80, -80, 200, -200});
+    const GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
+    EXPECT_EQ(gyro_decay_per_s(recording.gyro, recording.servo, errors), 0.0) << world;
+  }
+}
+
 TEST(GyroErrors, OneDirectionAloneSaysLittle) {
   auto config = rig_of(2160.0, 8.0, 54);
   config.gyro_zeroes_itself = true;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/clock_fits.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -65,6 +66,74 @@ TEST(GyroClock, GoesByTheGyrosOwnTimeWhereItSendsOne) {
   ASSERT_EQ(fit.times.size(), 4000U);
   EXPECT_LT(worst_error_s(fit), 0.002);
   EXPECT_NEAR(fit.report.skew_ppm, -1e6 * 0.01 / 1.01, 50.0);  // fast
+}
+
+/// Samples that lie in the gyro's FIFO until ten are there, and are then printed in a row.
+GyroStream batches_of(int samples, double print_s) {
+  GyroStream stream;
+  for (int i = 0; i < samples; ++i) {
+    const double read_s = 0.005 * (i / 10 * 10 + 9);
+    const double begin_s = read_s + wire_s * (i % 10);
+    stream.add(begin_s, 0.0001, 7.0 + read_s + print_s * (i % 10));
+  }
+  return stream;
+}
+
+TEST(GyroClock, CountsWhereItsTimesAreThoseOfReadingOrPrintingSeveralSamples) {
+  for (const double print_s : {0.0, 3e-4}) {
+    const GyroStream stream = batches_of(4000, print_s);
+    const ClockFit fit = fit_gyro_clock(stream.received, stream.gyro, profile());
+    EXPECT_NE(fit.report.own_time_unused, "");
+    EXPECT_EQ(fit.report.gaps.size(), 0U);
+    ASSERT_EQ(fit.times.size(), 4000U);
+    const double first_s = to_s(fit.times[0].time.time_since_epoch());
+    for (std::size_t i = 100; i < fit.times.size(); ++i)  // the last of a batch is on its way at once
+      ASSERT_NEAR(to_s(fit.times[i].time.time_since_epoch()) - first_s, 0.005 * static_cast<double>(i),
+                  0.002);
+    EXPECT_LT(fit.report.bound_us, 1e5);
+  }
+}
+
+/// The same while it comes: lines of text out of the gyro's FIFO, ten at a time, or each when it is taken.
+TEST(GyroClock, CountsLiveAsWellAndLosesNothing) {
+  for (const int batch : {1, 10}) {
+    RigProfile rig;
+    rig.gyro.protocol = "text";
+    rig.gyro.link.baud = 921600;  // the lines of a batch wait for each other
+    rig.gyro.text = {.prefix = "", .rate = {1, 2, 3}, .scale_dps = 1.0, .time = 0, .time_unit_s = 1e-3};
+    Pipeline pipeline(rig);
+    std::vector<TimedGyro> gyro;
+    for (int i = 0; i < 6000; i += batch) {
+      const double read_s = 0.005 * (i + batch - 1);
+      std::string lines;
+      for (int k = 0; k < batch; ++k) lines += fmt::format("{:.0f} 1 2 {}\n", 1e3 * read_s, i + k);
+      const std::vector<std::uint8_t> bytes(lines.begin(), lines.end());
+      const double sent_s = timing::wire_time_s(bytes.size(), rig.gyro.link.baud);
+      pipeline.feed(Device::gyro, bytes, HostTime(from_s(1.0 + read_s + sent_s)));
+      const Streams streams = pipeline.take_streams();
+      gyro.insert(gyro.end(), streams.gyro.begin(), streams.gyro.end());
+    }
+    EXPECT_EQ(pipeline.counters(Device::gyro).lost, 0U) << batch;
+    ASSERT_GT(gyro.size(), 5900U);
+    for (const TimedGyro& sample : std::span(gyro).subspan(3000)) {
+      const double taken_s = 1.0 + 0.005 * double{sample.reading.rate_dps[2]};
+      ASSERT_NEAR(to_s(sample.stamp.time.time_since_epoch()), taken_s, 0.004) << batch;
+    }
+  }
+}
+
+TEST(GyroClock, GoesOnWhereTheGyrosTimeOf32BitsBeginsAgain) {
+  constexpr double wrap_s = 4294.967296;
+  GyroStream stream;
+  for (int i = 0; i < 4000; ++i) {
+    const double own_s = wrap_s - 7.0 + 0.005 * i;
+    stream.add(0.005 * i, 0.0001, own_s < wrap_s ? own_s : own_s - wrap_s);
+  }
+  const ClockFit fit = fit_gyro_clock(stream.received, stream.gyro, profile());
+  EXPECT_EQ(fit.report.own_time_unused, "");
+  EXPECT_EQ(fit.report.epochs.size(), 1U);
+  EXPECT_EQ(fit.report.gaps.size(), 0U);
+  EXPECT_LT(worst_error_s(fit), 0.002);
 }
 
 TEST(GyroClock, CountsWhereTheOwnTimeIsInAnotherUnitOrMissing) {

@@ -50,6 +50,21 @@ TEST_F(Detection, FindsTheBaudRateOfEachDevice) {
   }
 }
 
+TEST(DetectionOfACamera, AsksOneThatIsSilentForFramesAndLeavesOthersAlone) {
+  for (const auto start : {simulation::CameraStart::when_asked, simulation::CameraStart::by_itself})
+    for (const std::uint32_t baud : {0U, 115200U}) {
+      auto config = simulation::default_rig(1, "kitchen");
+      config.camera_start = start;
+      config.profile.camera.output_rate_hz = 4.0;
+      VirtualPorts ports(config);
+      if (baud != 0) ports.set_baud(Device::camera, baud);
+      const auto findings = identify_devices({{.path = ports.paths()[Device::camera]}}, ports);
+      EXPECT_EQ(findings.at(0).role, Device::camera) << findings[0].how;
+      EXPECT_EQ(findings[0].baud, baud);
+      EXPECT_EQ(ports.written(Device::camera).empty(), start == simulation::CameraStart::by_itself);
+    }
+}
+
 TEST_F(Detection, OfASilentPortSaysThatItWasSilent) {
   const auto findings = identify({ports_.add([] { return std::vector<std::uint8_t>(); })});
   EXPECT_FALSE(findings.at(0).role);

@@ -9,8 +9,10 @@
 #include <fstream>
 #include <iterator>
 
+#include "rig/recording/recording_start.h"
 #include "simulated_bus.h"
 #include "thermorig/io/files/process.h"
+#include "thermorig/io/port.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/storage/journal/journal.h"
 
@@ -55,6 +57,43 @@ TEST(Recording, LeavesOneSessionAndNoJournal) {
   EXPECT_EQ(session.raw.header.plan_name, "quick");
   EXPECT_FALSE(session.raw.header.firmware.empty());
   EXPECT_EQ(session.raw.legs.size(), 4U);
+}
+
+/// No battery for the clock: the recording begins in 1970, and the time comes over the network on the way.
+TEST(Recording, IsNamedAndDatedByTheClockThatWasSetOnTheWay) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(1, "kitchen"));
+  VirtualOptions options = virtual_options(folder, short_plan());
+  constexpr std::int64_t set_ns = 20'000LL * 86'400 * 1'000'000'000;  // 20000 days
+  const std::int64_t here_ns = -to_ns(io::now());                     // the wall's clock begins at 0
+  int asked = 0;
+  options.recording.realtime_offset_ns = [&] { return here_ns + (asked++ < 2 ? 0 : set_ns); };
+  const RecordingResult result = record_virtual(bus, options);
+  EXPECT_EQ(result.exit, ExitCode::ok) << result.message;
+  EXPECT_THAT(result.session.filename().string(), ::testing::StartsWith("kitchen_acq-01_20241004T"));
+  EXPECT_EQ(files_below(folder.path()), std::vector{result.session});
+  const session::Session session = session::read_session(result.session);
+  EXPECT_THAT(session.raw.header.start_time_utc, ::testing::StartsWith("2024-10-04T"));
+  const bool told = std::any_of(session.raw.events.begin(), session.raw.events.end(), [](const auto& event) {
+    return event.kind == EventKind::warning && event.message.starts_with("the computer's clock was set by +");
+  });
+  EXPECT_TRUE(told);
+}
+
+TEST(AClock, IsSetWhereItStepsAndNotWhereItIsSlewed) {
+  constexpr std::int64_t second_ns = 1'000'000'000;
+  const struct {
+    std::int64_t step_ns;
+    double run_s;
+    bool is_set;
+  } runs[] = {{0, 60, false},
+              {second_ns / 2, 60, false},
+              {3 * second_ns / 2, 3600, false},
+              {2 * second_ns, 60, true},
+              {-5 * second_ns, 600, true},
+              {1'700'000'000 * second_ns, 30, true}};
+  for (const auto& run : runs)
+    EXPECT_EQ(clock_set_ns(42, 42 + run.step_ns, run.run_s), run.is_set ? run.step_ns : 0) << run.step_ns;
 }
 
 TEST(Recording, SecondOneTakesTheNextNumber) {

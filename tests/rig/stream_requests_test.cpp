@@ -25,8 +25,11 @@ RigProfile with_flight_controller() {
 
 /// What the profile's gyro is asked when it was asked so often in vain.
 std::vector<std::uint8_t> asked(const RigProfile& profile, unsigned times) {
-  return sensors::stream_request(Device::gyro, profile, times);
+  return sensors::stream_request(Device::gyro, profile, times).at(0);
 }
+
+using Bytes = std::vector<std::uint8_t>;
+const Bytes eight_hertz{0xA5, 0x25, 0x04, 0xCE}, automatic{0xA5, 0x35, 0x02, 0xDC};
 
 TEST(StreamRequests, AskWhenThePortHasOpenedAndEachSecondWithoutAMessage) {
   const RigProfile profile = with_flight_controller();
@@ -47,7 +50,7 @@ TEST(StreamRequests, SayNothingToDevicesThatSendByThemselves) {
   RigProfile profile = simulation::default_profile();
   profile.gyro.protocol = "text";
   StreamRequests requests(profile);
-  for (const Device device : all_devices)
+  for (const Device device : {Device::gyro, Device::servo})
     for (const double seconds : {0.0, 1.0, 2.0, 60.0})
       EXPECT_THAT(requests.due(device, 0, at_s(seconds)), IsEmpty());
 }
@@ -70,7 +73,6 @@ TEST(ARecording, MakesAFlightControllerSendItsSamples) {
   const DrivenRun run = record(bus, config.profile);
   EXPECT_FALSE(run.failure) << run.failure->what_happened();
   EXPECT_EQ(run.raw.sent[Device::gyro].bytes, asked(config.profile, 0));
-  EXPECT_THAT(run.raw.sent[Device::camera].bytes, IsEmpty());
   const session::Session session = build_session(run.raw);
   EXPECT_GT(session.gyro.size(), 1000U);
   EXPECT_EQ(session.counters[Device::gyro].bytes_skipped, 0U);
@@ -129,7 +131,61 @@ TEST(ARecording, SendsNothingToAGyroThatHearsNothing) {
   const DrivenRun run = record(bus, config.profile);
   EXPECT_FALSE(run.failure);
   EXPECT_THAT(run.raw.sent[Device::gyro].bytes, IsEmpty());
-  EXPECT_THAT(run.raw.sent[Device::camera].bytes, IsEmpty());
+}
+
+TEST(StreamRequests, AskACameraForItsRateAndForFramesATenthOfASecondApart) {
+  StreamRequests requests(simulation::default_profile());
+  EXPECT_EQ(requests.due(Device::camera, 0, at_s(0.0)), eight_hertz);
+  EXPECT_THAT(requests.due(Device::camera, 0, at_s(0.09)), IsEmpty());
+  EXPECT_EQ(requests.due(Device::camera, 1, at_s(0.1)), automatic) << "a frame came meanwhile";
+  EXPECT_THAT(requests.due(Device::camera, 1, at_s(0.99)), IsEmpty());
+  EXPECT_THAT(requests.due(Device::camera, 9, at_s(1.9)), IsEmpty());
+  EXPECT_EQ(requests.due(Device::camera, 9, at_s(2.9)), eight_hertz) << "it went silent";
+  EXPECT_EQ(requests.due(Device::camera, 9, at_s(3.0)), automatic);
+}
+
+TEST(StreamRequests, GiveASlowCameraTheTimeOfThreeFrames) {
+  RigProfile profile = simulation::default_profile();
+  profile.camera.output_rate_hz = 0.5;
+  StreamRequests requests(profile);
+  EXPECT_EQ(requests.due(Device::camera, 0, at_s(0.0)), (Bytes{0xA5, 0x25, 0x00, 0xCA}));
+  EXPECT_EQ(requests.due(Device::camera, 0, at_s(0.1)), automatic);
+  EXPECT_THAT(requests.due(Device::camera, 0, at_s(5.9)), IsEmpty());
+  EXPECT_FALSE(requests.due(Device::camera, 0, at_s(6.1)).empty());
+}
+
+TEST(StreamRequests, NameNoRateThatTheCameraDoesNotKnow) {
+  const struct {
+    double rate_hz;
+    std::size_t commands;
+  } rates[] = {{8.0, 2}, {7.84, 2}, {3.92, 2}, {1.0, 2}, {3.0, 1}, {16.0, 1}, {6.0, 1}};
+  for (const auto& rate : rates) {
+    RigProfile profile;
+    profile.camera.output_rate_hz = rate.rate_hz;
+    EXPECT_EQ(sensors::stream_request(Device::camera, profile, 0).size(), rate.commands) << rate.rate_hz;
+  }
+}
+
+TEST(ARecording, MakesACameraSendThatWaitsToBeAskedAndAtTheRateOfTheProfile) {
+  auto config = simulation::default_rig(1, "kitchen");
+  const RigProfile profile = config.profile;
+  config.camera_start = simulation::CameraStart::when_asked;
+  config.profile.camera.output_rate_hz = 4.0;
+  SimulatedBus bus(config);
+  const DrivenRun run = record(bus, profile);
+  EXPECT_FALSE(run.failure) << run.failure->what_happened();
+  Bytes sent = eight_hertz;
+  sent.insert(sent.end(), automatic.begin(), automatic.end());
+  EXPECT_EQ(run.raw.sent[Device::camera].bytes, sent);
+  const session::Session session = build_session(run.raw);
+  EXPECT_NEAR(session.sync.clock[Device::camera].rate_hz, 7.84, 0.1);
+}
+
+TEST(ARecording, TakesTheFramesOfACameraThatHearsNothing) {
+  auto config = simulation::default_rig(1, "kitchen");
+  config.camera_start = simulation::CameraStart::deaf;
+  SimulatedBus bus(config);
+  EXPECT_FALSE(record(bus, config.profile).failure);
 }
 
 }  // namespace

@@ -17,8 +17,13 @@ using ::testing::HasSubstr;
 std::vector<std::uint8_t> simulated_answer(const CameraProfile& profile) {
   const CameraProtocol& protocol = camera_protocol(profile.protocol);
   const simulation::CameraEncoder& encoder = simulation::camera_encoder(profile);
-  if (protocol.request == nullptr) return {};
-  return encoder.hear(protocol.request(profile, 0), profile).answer;
+  std::vector<std::uint8_t> answer;
+  if (protocol.request == nullptr) return answer;
+  for (const auto& command : protocol.request(profile)) {
+    const auto part = encoder.hear(command, profile).answer;
+    answer.insert(answer.end(), part.begin(), part.end());
+  }
+  return answer;
 }
 
 /// Five frames that it sends of a protocol, each warmer than the one before.
@@ -72,8 +77,10 @@ TEST(CameraProtocols, AskCamerasThatListenAndNoOthers) {
     profile.protocol = protocol.name;
     const simulation::CameraEncoder& encoder = simulation::camera_encoder(profile);
     ASSERT_EQ(protocol.request == nullptr, encoder.hear == nullptr);
-    EXPECT_TRUE(protocol.request == nullptr ||
-                encoder.hear(protocol.request(profile, 0), profile).asks_for_stream);
+    ASSERT_EQ(protocol.request == nullptr, protocol.greeting == nullptr);
+    if (protocol.request == nullptr) continue;
+    EXPECT_TRUE(encoder.hear(protocol.request(profile).back(), profile).asks_for_stream);
+    EXPECT_TRUE(encoder.hear(protocol.greeting(), profile).asks_for_stream);
   }
 }
 

@@ -103,7 +103,7 @@ TEST(GoldenVectors, MavlinkIsAskedAsDescribed) {
     for (const char* setting : {"system", "component", "message", "raw_scale_dps"})
       if (fields.contains(setting)) profile.gyro.settings[setting] = std::stod(fields.at(setting));
     const auto asked = static_cast<unsigned>(count_in(fields, "asked"));
-    EXPECT_EQ(sensors::stream_request(Device::gyro, profile, asked), vector.bytes);
+    EXPECT_EQ(sensors::stream_request(Device::gyro, profile, asked), sensors::Commands{vector.bytes});
   }
 }
 

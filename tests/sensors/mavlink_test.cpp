@@ -231,6 +231,29 @@ TEST(MavlinkScanner, ReadsNoRawCountsWithoutTheirScale) {
   EXPECT_EQ(scan.messages[0].reading.rate_dps[0], 131 * 0.0625F);
 }
 
+/// SCALED_IMU in a packet of version 1 or 2, without the last bytes of its payload.
+ByteVector cut_scaled_imu(bool is_v1, std::size_t cut) {
+  const ByteVector whole = vector_named(is_v1 ? "scaled_imu_version_1" : "scaled_imu");
+  const std::size_t header = is_v1 ? 6 : 10;
+  std::string checked(whole.begin() + 1, whole.begin() + static_cast<std::ptrdiff_t>(header + 22 - cut));
+  checked[0] = static_cast<char>(22 - cut);
+  const std::uint16_t crc = mcrf4xx(checked + static_cast<char>(mavlink::scaled_imu.crc_extra));
+  ByteVector packet{whole[0]};
+  packet.insert(packet.end(), checked.begin(), checked.end());
+  packet.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+  packet.push_back(static_cast<std::uint8_t>(crc >> 8));
+  return packet;
+}
+
+TEST(MavlinkScanner, TakesAShortPayloadForZerosInVersion2AndForBadInVersion1) {
+  for (const std::size_t cut : {std::size_t{0}, std::size_t{1}, std::size_t{8}, std::size_t{20}}) {
+    EXPECT_EQ(scan_mavlink(cut_scaled_imu(false, cut)).messages.size(), 1U) << cut;
+    const auto scan = scan_mavlink(cut_scaled_imu(true, cut));
+    EXPECT_EQ(scan.messages.size(), cut == 0 ? 1U : 0U) << cut;
+    EXPECT_EQ(scan.counters.bad_length, cut == 0 ? 0U : 1U) << cut;
+  }
+}
+
 TEST(MavlinkEvidence, NamesAControllerThatSendsNoGyro) {
   const ByteVector heartbeat_only = [] {
     const ByteVector three = vector_named("heartbeat_between");

@@ -82,7 +82,7 @@ def check_sync(file):
         clock = file["sync"][device]
         for name in ("method", "rate_hz", "skew_ppm", "wander_ppm", "late_p50_us", "late_p95_us", "late_max_us",
                      "uncertainty_us", "bound_us", "bound_median_us", "bound_wander_ppm",
-                     "needed_wander_ppm", "largest_constant_delay_s", "latency_s",
+                     "needed_wander_ppm", "own_time_unused", "largest_constant_delay_s", "latency_s",
                      "latency_uncertainty_s"):
             if name not in clock.attrs:
                 yield f"sync/{device} has no attribute {name}"

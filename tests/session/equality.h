@@ -130,17 +130,18 @@ inline bool same(const ClockReport& a, const ClockReport& b) {
          a.needed_wander_ppm == b.needed_wander_ppm && a.latency_s == b.latency_s &&
          a.largest_constant_delay_s == b.largest_constant_delay_s &&
          a.latency_uncertainty_s == b.latency_uncertainty_s && same(a.knots, b.knots) &&
-         same(a.epochs, b.epochs) && same(a.gaps, b.gaps);
+         same(a.epochs, b.epochs) && same(a.gaps, b.gaps) && a.own_time_unused == b.own_time_unused;
 }
 
 inline bool same(const GyroErrors& a, const GyroErrors& b) {
   return a.scale == b.scale && a.scale_calibrated == b.scale_calibrated && a.bias_dps == b.bias_dps &&
          a.bias_before_dps == b.bias_before_dps && a.bias_after_dps == b.bias_after_dps &&
-         same(a.noise_dps, b.noise_dps) && a.zeroes_itself == b.zeroes_itself &&
-         a.bias_from_legs == b.bias_from_legs && a.scale_by_turns == b.scale_by_turns &&
-         a.scale_why_not == b.scale_why_not && a.scale_contradicts == b.scale_contradicts &&
-         a.filter_delay_s == b.filter_delay_s && a.filter_source == b.filter_source &&
-         a.filter_contradicts == b.filter_contradicts && same(a.bias_course, b.bias_course);
+         same(a.noise_dps, b.noise_dps) && a.decay_per_s == b.decay_per_s &&
+         a.zeroes_itself == b.zeroes_itself && a.bias_from_legs == b.bias_from_legs &&
+         a.scale_by_turns == b.scale_by_turns && a.scale_why_not == b.scale_why_not &&
+         a.scale_contradicts == b.scale_contradicts && a.filter_delay_s == b.filter_delay_s &&
+         a.filter_source == b.filter_source && a.filter_contradicts == b.filter_contradicts &&
+         same(a.bias_course, b.bias_course);
 }
 
 inline bool same(const ServoResponse& a, const ServoResponse& b) {
@@ -159,6 +160,7 @@ inline std::string difference(const SyncReport& a, const SyncReport& b) {
   std::string names;
   for (const Device device : all_devices)
     if (!same(a.clock[device], b.clock[device])) names += std::string(name_of(device)) + "-clock ";
+  if (a.bad_pixels != b.bad_pixels) names += "bad-pixels ";
   if (!same(a.camera_offset, b.camera_offset)) names += "camera-offset ";
   if (!same(a.gyro, b.gyro)) names += "gyro-errors ";
   if (!same(a.servo, b.servo)) names += "servo-response ";

@@ -186,6 +186,8 @@ inline Session format_1_session(Session session) {
   const GyroErrors standard;
   gyro.scale_by_turns = standard.scale_by_turns;
   gyro.scale_why_not = standard.scale_why_not;
+  gyro.decay_per_s = standard.decay_per_s;
+  session.sync.bad_pixels.clear();
   gyro.filter_delay_s = standard.filter_delay_s;
   gyro.filter_source = standard.filter_source;
   gyro.scale_contradicts = gyro.filter_contradicts = false;
@@ -193,6 +195,7 @@ inline Session format_1_session(Session session) {
   for (const Device device : all_devices) {
     session.sync.clock[device].bound_wander_ppm = ClockReport().bound_wander_ppm;
     session.sync.clock[device].needed_wander_ppm = ClockReport().needed_wander_ppm;
+    session.sync.clock[device].own_time_unused.clear();
   }
   session.sync.camera_offset.contradicts = false;
   session.sync.camera_offset.row_delay_s.reset();

@@ -19,6 +19,7 @@ Session clean_session(std::size_t frames) {
   for (const Device device : all_devices) {
     session.sync.clock[device].epochs.clear();
     session.sync.clock[device].gaps.clear();
+    session.sync.clock[device].own_time_unused.clear();
   }
   return session;
 }
@@ -345,6 +346,22 @@ TEST(Verdict, OfAGyroThatHidesItsBiasStaysGoodWhereEqualSpeedsBothWaysTellIt) {
               testing::Contains(testing::HasSubstr("both ways tell it as 0.02 +- 0.04 deg/s")));
   session.sync.gyro.bias_dps->uncertainty = 0.5;  // one direction alone
   EXPECT_EQ(quality_of(session).verdict, "usable");
+}
+
+TEST(Verdict, NamesAGyroWhoseRateDecaysInASteadyTurn) {
+  Session session = clean_session(60);
+  session.sync.gyro.decay_per_s = 0.12;
+  EXPECT_EQ(quality_of(session).verdict, "bad");
+  EXPECT_THAT(quality_of(session).verdict_reasons,
+              testing::Contains(testing::HasSubstr("the gyro's rate falls by 12 % a second")));
+}
+
+TEST(Verdict, SaysThatTimesOfNoSamplesWereNotUsedAndIsNoLowerForIt) {
+  Session session = clean_session(60);
+  session.sync.clock[Device::gyro].own_time_unused = "90 % of them follow the one before at once";
+  session.raw.header.profile.gyro.text.time = 0;
+  EXPECT_EQ(quality_of(session).verdict, "good");
+  EXPECT_THAT(quality_of(session).verdict_reasons, testing::Contains(testing::HasSubstr("time_column = -1")));
 }
 
 TEST(Verdict, NamesWhoContradictsTheStatedBandwidth) {

@@ -72,6 +72,7 @@ TEST_F(SessionFile, HoldsARecordingInWhichNothingCame) {
   Session session = synthetic_session(0);
   session.state = State::partial;
   session.raw.complete = false;
+  session.sync.gyro.decay_per_s = 0.05;
   write_session(path(), session);
   EXPECT_EQ(difference(session, read_session(path())), "");
 }

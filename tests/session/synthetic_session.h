@@ -56,6 +56,7 @@ class SyntheticSession {
     session_.sync.clock[Device::servo].method = "two-way";
     session_.sync.camera_offset = {Estimate{0.012, 0.0005}, "", 480, true, true, Estimate{0.005, 0.0001}};
     add_gyro_errors(session_.sync.gyro);
+    session_.sync.bad_pixels = "3,17 12,5";
     ServoResponse& servo = session_.sync.servo;
     servo.fitted = servo.scale_calibrated = true;
     servo.delay_s = 0.021;
@@ -87,6 +88,7 @@ class SyntheticSession {
 
   void add_clock(ClockReport& clock, double number) const {
     clock = {.method = "one-way",
+             .own_time_unused = "it stands still",
              .rate_hz = 8.0 * number,
              .skew_ppm = 12.5,
              .wander_ppm = 1.5,

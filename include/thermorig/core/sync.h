@@ -50,7 +50,9 @@ struct ClockGap {
 
 /// How the clock of one device did over a recording.
 struct ClockReport {
-  std::string method;        // "one-way" or "two-way"; empty: too little came to say anything
+  std::string method;  // "one-way" or "two-way"; empty: too little came to say anything
+  std::string
+      own_time_unused;       // why samples were counted though the device sends a time; empty: they were not
   double rate_hz = 0.0;      // messages a second, measured
   double skew_ppm = 0.0;     // mean: device slower than nominal is positive
   double wander_ppm = 0.0;   // root mean square of the knots' skew about its mean
@@ -122,6 +124,7 @@ struct GyroErrors {
   std::vector<BiasKnot> bias_course;
   double noise_dps = std::numeric_limits<double>::quiet_NaN();  // of a sample at rest; NaN: no rest was seen
   bool zeroes_itself = false;   // runs of exact zeros at rest: the device hides its bias
+  double decay_per_s = 0.0;     // share of a steady rate that it loses in a second; 0: none is seen
   bool bias_from_legs = false;  // bias_dps is what remains of equal speeds in both directions, not of rests
 };
 
@@ -201,6 +204,7 @@ Witness witness_named(std::string_view name);
 /// Everything of the kind.
 struct SyncReport {
   PerDevice<ClockReport> clock;
+  std::string bad_pixels;  // of the camera, "3,17 12,5": see core/bad_pixels.h; empty: none was found
   CameraOffset camera_offset;
   GyroErrors gyro;
   ServoResponse servo;

@@ -78,6 +78,9 @@ class Bank {
   /// One estimate an entry, in their order, until the next call. Allocates nothing.
   std::span<const RateEstimate> add(const Measurement& measurement);
 
+  /// Gyro samples and frames so far that no estimator was shown, since something of them is no number.
+  std::uint64_t ignored() const;
+
   /// What the entry at that place has seen of the surroundings.
   std::optional<Surroundings> surroundings(std::size_t place) const;
 

@@ -16,6 +16,9 @@
 
 namespace thermorig::sensors {
 
+/// Sent one after the other, so far apart as their protocol wants it.
+using Commands = std::vector<std::vector<std::uint8_t>>;
+
 using CameraScanner = Scanner<wire::CameraMessage>;
 
 /// All that the program knows of one camera protocol. Others ask this, and never compare names.
@@ -29,8 +32,11 @@ struct CameraProtocol {
   CameraScanner (*scanner)(const CameraProfile& profile);
   /// Nothing if the bytes hold no frame of it.
   std::optional<Evidence> (*recognise)(std::span<const std::uint8_t> bytes);
-  /// What makes it send frames; `asked`: how often it was asked already, in vain. None: it sends by itself.
-  std::vector<std::uint8_t> (*request)(const CameraProfile& profile, unsigned asked) = nullptr;
+  /// What it is told when its port opens and while nothing comes: to send frames, at the profile's rate where
+  /// it knows that one. None: it hears nothing.
+  Commands (*request)(const CameraProfile& profile) = nullptr;
+  /// What makes one send frames of which nothing is known yet. None: it hears nothing.
+  std::vector<std::uint8_t> (*greeting)() = nullptr;
 };
 
 /// The table. The first one is what a profile has that names none.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include "thermorig/core/clock_properties.h"
 #include "thermorig/core/device.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/evidence.h"
 
 namespace thermorig::sensors {
@@ -29,7 +31,10 @@ DeviceStream device_stream(Device device, const RigProfile& profile);
 
 /// What makes a camera or gyro send its stream; `asked`: how often it was asked already, in vain. Empty: it
 /// sends by itself.
-std::vector<std::uint8_t> stream_request(Device device, const RigProfile& profile, unsigned asked);
+Commands stream_request(Device device, const RigProfile& profile, unsigned asked);
+
+/// Between two commands of a request (protocols/gy_mcu90640.md, "Commands").
+inline constexpr std::chrono::milliseconds command_gap{100};
 
 /// One that some bytes may come from.
 struct Recognised {
@@ -45,10 +50,12 @@ std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double he
 struct SearchStep {
   UsualBaud at;
   std::vector<std::uint8_t> greeting;  // to be sent again and again; empty: just listen
+  bool only_if_silent = false;         // greet once nothing came for a while: who speaks is left alone
 };
 
-/// Every usual baud rate once, with its largest share: those of cameras first, then those of gyros, at last
-/// those at which one has to be greeted. The shares are of the time of the whole search.
+/// Every usual baud rate once, with its largest share: those of cameras first, which are greeted where they
+/// are silent, then those of gyros, at last those at which one has to be greeted. The shares are of the time
+/// of the whole search.
 std::vector<SearchStep> search_steps();
 
 }  // namespace thermorig::sensors

@@ -26,6 +26,13 @@ enum class GyroStart : std::uint8_t {
   when_asked_of_old  // by the request that older devices of its protocol know
 };
 
+/// How the camera's bridge begins, and whether it hears commands.
+enum class CameraStart : std::uint8_t {
+  by_itself,
+  when_asked,  // query mode
+  deaf         // by itself, and nothing that it is told arrives
+};
+
 struct LinkConfig {
   UsbLink kind = UsbLink::ftdi;
   double latency_timer_s = 0.016;  // FTDI only
@@ -62,6 +69,7 @@ struct VirtualRigConfig {
   std::optional<double>
       camera_latency_s;  // of this board, from the exposure's end to the first byte; drawn if not set
   std::optional<double> gyro_latency_s;
+  CameraStart camera_start = CameraStart::by_itself;
   GyroStart gyro_start = GyroStart::by_itself;
   bool gyro_zeroes_itself = false;  // at rest, after a second, as WitMotion's do
   World world;                      // what its devices do beyond that; begins as the honest one

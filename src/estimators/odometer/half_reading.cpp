@@ -2,6 +2,7 @@
 #include "half_reading.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -20,7 +21,8 @@ bool is_exposure(const HalfExposure& half) {
 }  // namespace
 
 std::optional<HalfReading> half_of(const TimedFrame& frame, unsigned parity, HostTime origin) {
-  const bool is_timed = !frame.late && !frame.stale && !frame.stands_in;
+  const bool is_timed =
+      !frame.late && !frame.stale && !frame.stands_in && std::isfinite(frame.stamp.uncertainty_s);
   const bool is_fresh = (parity == 0 ? frame.fresh_even : frame.fresh_odd) > fresh_pixels;
   if (!is_timed || !is_fresh || !is_exposure(frame.half[parity])) return std::nullopt;
   HalfReading half{.parity = parity,

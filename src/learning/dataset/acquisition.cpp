@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/core/bad_pixels.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
 #include "thermorig/estimators/window_bounds.h"
@@ -156,9 +157,12 @@ void append_samples(Acquisition& acquisition, const session::Session& session) {
   const std::map<std::uint16_t, float> rates = leg_rates(session.raw.legs);
   acquisition.temp_c.reserve(session.samples.size() * frame_pixels);
   assert(session.samples.size() == session.frames.size());
+  const PixelPlaces bad = pixel_places(session.sync.bad_pixels);
   for (std::size_t i = 0; i < session.samples.size(); ++i) {
     const LabelledSample& sample = session.samples[i];
-    append(acquisition, sample, session.frames[i].frame);
+    ThermalFrame image = session.frames[i].frame;
+    mend(image, bad);
+    append(acquisition, sample, image);
     const auto rate = rates.find(sample.leg);
     acquisition.leg_rate_dps.push_back(sample.leg == 0 || rate == rates.end() ? 0.0F : rate->second);
   }

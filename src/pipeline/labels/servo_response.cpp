@@ -245,7 +245,7 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
                               GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
                               const Witnesses& witnesses) {
   ServoResponse response = assumed_response(profile);
-  if (servo.empty() || gyro.empty()) return response;
+  if (servo.empty() || gyro.empty() || errors.decay_per_s > 0.0) return response;
   const HostTime origin = servo.front().stamp.time;
   const PulseScale scale(profile);
   const GyroIntegral integral(gyro, errors, origin);

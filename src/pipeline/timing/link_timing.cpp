@@ -78,11 +78,15 @@ void LinkTiming::chunk(std::uint64_t end, HostTime arrived) {
   while (chunks_.front().end + history_bytes < chunk.begin) chunks_.pop_front();
 }
 
+void LinkTiming::forget_clock() {
+  if (clock_) clock_.emplace(link_, nominal_rate_hz_);
+}
+
 void LinkTiming::restart() {
   if (!chunks_.empty()) begin_ = chunks_.back().end;
   chunks_.clear();
   last_end_ = begin_;
-  if (clock_) clock_.emplace(link_, nominal_rate_hz_);
+  forget_clock();
 }
 
 Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint& hint) {

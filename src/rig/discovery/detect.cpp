@@ -18,12 +18,19 @@ constexpr double share_needed = 0.3;  // a short look begins and ends in the mid
 constexpr auto listening_tick = std::chrono::milliseconds(20);
 constexpr auto greeting_period = std::chrono::milliseconds(200);
 
-/// A pty has no baud rate: it is listened to once, and greeted by all that want to be greeted.
+constexpr double listened_share = 0.35;  // of a step, before a port that is silent is greeted
+
+/// A pty has no baud rate: it is listened to once, and greeted once in each way.
 std::vector<sensors::SearchStep> steps_of_pty() {
   constexpr double listen_share = 0.2, greet_share = 0.3;
-  std::vector<sensors::SearchStep> steps = sensors::search_steps();
-  std::erase_if(steps, [&](const auto& step) { return &step != &steps.front() && step.greeting.empty(); });
-  for (sensors::SearchStep& step : steps) step.at.share = step.greeting.empty() ? listen_share : greet_share;
+  std::vector<sensors::SearchStep> steps;
+  for (sensors::SearchStep& step : sensors::search_steps()) {
+    const auto is_same = [&](const auto& other) { return other.greeting == step.greeting; };
+    if (!steps.empty() && (step.greeting.empty() || std::any_of(steps.begin(), steps.end(), is_same)))
+      continue;
+    step.at.share = step.greeting.empty() ? listen_share : greet_share;
+    steps.push_back(std::move(step));
+  }
   return steps;
 }
 
@@ -46,14 +53,19 @@ class Listener {
     if (done()) return;
     if (!port_) return open(now);
     const sensors::SearchStep& step = steps_[step_];
-    if (!step.greeting.empty() && now - last_greeting_ >= greeting_period) {
+    const double share = to_s(now - opened_) / listen_s_ / step.at.share;
+    if (is_to_be_greeted(step, share) && now - last_greeting_ >= greeting_period) {
       loop_.write(*port_, step.greeting);
       last_greeting_ = now;
     }
-    if (to_s(now - opened_) >= step.at.share * listen_s_) judge(now);
+    if (share >= 1.0) judge(now);
   }
 
  private:
+  bool is_to_be_greeted(const sensors::SearchStep& step, double share) const {
+    return !step.greeting.empty() && (!step.only_if_silent || (bytes_.empty() && share >= listened_share));
+  }
+
   void open(HostTime now) {
     bytes_.clear();
     opened_ = now;

@@ -147,7 +147,8 @@ RecordingResult conclude(Recording& recording, HostTime now) {
   }
   if (!outcome.is_kept) return conclude_unkept(recording, now);
   const SessionFile file = recording.close(now);
-  const Finalised made = finalise(file.journal, file.session, recording.disk());
+  const Finalised made =
+      finalise(file.journal, file.session, recording.disk(), WithoutEnd::keep, file.clock_set_ns);
   const session::Session& session = made.session;
   RecordingResult result;
   result.acquisition = file.acquisition;

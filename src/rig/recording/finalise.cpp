@@ -6,6 +6,7 @@
 
 #include "thermorig/core/error.h"
 #include "thermorig/core/run_all.h"
+#include "thermorig/io/port.h"
 #include "thermorig/io/spill/spill.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/replay.h"
@@ -91,9 +92,14 @@ session::Session build_session(RawRecording raw) {
 }
 
 Finalised finalise(const std::filesystem::path& journal, const std::filesystem::path& session_path,
-                   files::Disk& disk, WithoutEnd without_end) {
+                   files::Disk& disk, WithoutEnd without_end, std::int64_t clock_set_ns) {
   spill::arrays_near(session_path);
   journal::JournalContents contents = journal::read_journal(journal, disk);
+  if (clock_set_ns != 0) {
+    RecordingHeader& header = contents.recording.header;
+    header.realtime_offset_ns += clock_set_ns;
+    header.start_time_utc = io::utc_text(header.time_reference, header.realtime_offset_ns);
+  }
   Finalised made;
   made.bytes_ignored = contents.bytes_ignored;
   made.is_retired =

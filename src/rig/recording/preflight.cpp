@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "thermorig/core/auto_zero.h"
+#include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::rig {
 
@@ -21,9 +22,9 @@ std::string what_is_sent(Device device) {
 
 std::string_view rate_advice(Device device, bool slow) {
   if (device == Device::camera)
-    return "say the rate that the camera was set to (--camera-rate, output_rate_hz in the rig profile), or "
-           "set "
-           "the camera; a link that is too slow for the rate gives fewer frames as well";
+    return "it was asked for the profile's rate and does not send it: say the rate that it has "
+           "(--camera-rate, output_rate_hz in the rig profile); a link that is too slow for the rate gives "
+           "fewer frames as well";
   if (device == Device::gyro)
     return slow ? "say the rate that the gyro was set to (output_rate_hz in the rig profile), or set the "
                   "gyro; "
@@ -225,6 +226,21 @@ void warn_of_rest(const PreflightRest& rest, const PreflightLimits& limits, Viol
          "switch that off in the device (WitMotion: registers 61 and 63)"});
 }
 
+/// Counted samples of a steady gyro have times as good as its own would be.
+void warn_of_times(const PreflightStream& stream, const GyroProfile& gyro, Violations& warnings) {
+  if (stream.own_time_unused.empty()) return;
+  warnings.push_back(
+      {.name = "gyro_times",
+       .device = Device::gyro,
+       .figure = "the gyro's own times are not those of its samples: " + stream.own_time_unused,
+       .limit = "one time a sample",
+       .advice = sensors::gyro_protocol(gyro.protocol).has_columns
+                     ? "time_column = -1 in [gyro.text] of the rig profile, or print the time at "
+                       "which each sample was taken"
+                     : "have the device stamp each sample when it is taken",
+       .consequence = "its times are not used, samples are counted"});
+}
+
 void judge_answers(const PreflightAnswers& answers, const ServoProfile& servo, const PreflightLimits& limits,
                    Violations& found) {
   if (answers.limit_rate_dps > 0.0 && servo.max_rate_dps > answers.limit_rate_dps)
@@ -264,6 +280,7 @@ PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, co
   }
   if (facts.images) warn_of_images(*facts.images, limits, found, report.warnings);
   if (facts.rest) judge_rest(*facts.rest, profile.gyro, limits, found);
+  if (facts.streams[Device::gyro]) warn_of_times(*facts.streams[Device::gyro], profile.gyro, report.warnings);
   if (facts.rest) warn_of_rest(*facts.rest, limits, report.warnings);
   if (facts.answers) judge_answers(*facts.answers, profile.servo, limits, found);
   return report;

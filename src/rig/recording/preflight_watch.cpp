@@ -9,7 +9,9 @@
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/labels/freshness.h"
+#include "thermorig/pipeline/timing/own_time.h"
 #include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::rig {
 
@@ -46,6 +48,16 @@ double missing_by_time(const std::deque<Entry>& heard) {
   double missing = 0.0;
   for (const double step_s : steps_s) missing += std::max(0.0, std::round(step_s / period_s) - 1.0);
   return missing;
+}
+
+template <typename Entry>
+std::string why_own_time_unused(const std::deque<Entry>& heard, const GyroProfile& profile) {
+  std::vector<timing::OwnStamp> times;
+  timing::UnwrappedTime unwrapped;
+  for (const Entry& entry : heard)
+    if (entry.device_us) times.push_back({unwrapped.unwrap_s(*entry.device_us, entry.time), entry.time});
+  const double rate_error_max = sensors::gyro_protocol(profile.protocol).clock(profile).rate_error_max;
+  return timing::why_no_sample_times(times, profile.output_rate_hz, rate_error_max);
 }
 
 /// Slope of the straight line through (x, y), least squares.
@@ -165,7 +177,10 @@ std::optional<PreflightStream> PreflightWatch::stream(Device device, HostTime no
     stream.rate_hz = ratio(static_cast<double>(heard.size() - 1), span_s(device, now, 1.0 / nominal_hz));
   double missing = static_cast<double>(after.lost - before.lost);
   for (const Heard& one : heard) missing += one.missing_before;
-  if (device == Device::gyro) missing = std::max(missing, missing_by_time(heard));
+  if (device == Device::gyro) {
+    stream.own_time_unused = why_own_time_unused(heard, profile.gyro);
+    if (stream.own_time_unused.empty()) missing = std::max(missing, missing_by_time(heard));
+  }
   stream.lost_share = ratio(missing, missing + static_cast<double>(heard.size()));
   const auto damaged = static_cast<double>(after.bytes_skipped - before.bytes_skipped +
                                            after.bytes_in_damaged - before.bytes_in_damaged);

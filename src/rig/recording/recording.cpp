@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "recording_parts.h"
+#include "thermorig/io/port.h"
 #include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::rig {
@@ -302,16 +303,33 @@ RecordingProgress Recording::progress(HostTime now) {
   return progress;
 }
 
+void Recording::Parts::close(HostTime now) {
+  observe(pipeline.finish(), now);
+  drain_sweep(now);
+  journal->close(now);
+}
+
+/// A computer without a battery for its clock learns the time from the network, at any moment.
 SessionFile Recording::close(HostTime now) {
   Parts& parts = *parts_;
-  parts.observe(parts.pipeline.finish(), now);
-  parts.drain_sweep(now);
-  parts.journal->close(now);
-  return file();
+  const std::int64_t set_ns =
+      clock_set_ns(parts.wall_offset_ns, wall_offset_ns(parts.options), to_s(now - parts.begin));
+  if (set_ns != 0)
+    parts.event({now, EventKind::warning, std::nullopt,
+                 fmt::format("the computer's clock was set by {:+.1f} s during the recording: the session's "
+                             "name and start are by the new time; intervals are right",
+                             1e-9 * static_cast<double>(set_ns))});
+  parts.close(now);
+  if (set_ns == 0 || !parts.options.keep) return file();
+  const std::string start_utc =
+      io::utc_text(parts.header.time_reference, parts.header.realtime_offset_ns + set_ns);
+  SessionFile renamed = dated(file(), compact_utc(start_utc), disk());
+  renamed.clock_set_ns = set_ns;
+  return renamed;
 }
 
 void Recording::discard(HostTime now) {
-  close(now);
+  parts_->close(now);
   parts_->journal->discard();
 }
 

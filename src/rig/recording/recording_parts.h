@@ -35,6 +35,7 @@ struct Recording::Parts {
       : options(given),
         begin(now),
         send(std::move(send_to)),
+        wall_offset_ns(rig::wall_offset_ns(options)),
         header(make_header(options, now)),
         journal(open_journal(options, header)),
         pipeline(options.profile),
@@ -72,6 +73,7 @@ struct Recording::Parts {
   void write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now);
   void note_epoch(const ClockEpoch& epoch, HostTime now);
   void event(const RecordingEvent& event);
+  void close(HostTime now);
   void fail(const Error& error, HostTime now);
   void lose(Device device, const Error& error, HostTime now, bool has_port = true);
 
@@ -89,6 +91,7 @@ struct Recording::Parts {
   RecordingOptions options;
   HostTime begin;
   Send send;
+  std::int64_t wall_offset_ns;  // at the begin
   RecordingHeader header;
   std::unique_ptr<RecordingJournal> journal;
   pipeline::Pipeline pipeline;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <random>
 #include <utility>
 
@@ -13,6 +14,9 @@
 namespace thermorig::rig {
 
 namespace {
+
+constexpr double least_step_s = 1.0;  // whatever the reading of two clocks and a leap second make
+constexpr double fastest_slew = 1e-3;
 
 // RFC 4122, section 4.4.
 std::string random_uuid() {
@@ -27,11 +31,20 @@ std::string random_uuid() {
 
 /// In virtual time the first second of a recording is dated with the wall's clock.
 std::int64_t realtime_offset_ns(const RecordingOptions& options, HostTime now) {
-  const std::int64_t offset_ns = io::realtime_offset_ns();
+  const std::int64_t offset_ns = wall_offset_ns(options);
   return options.virtual_time ? offset_ns + to_ns(io::now()) - to_ns(now) : offset_ns;
 }
 
 }  // namespace
+
+std::int64_t wall_offset_ns(const RecordingOptions& options) {
+  return options.realtime_offset_ns ? options.realtime_offset_ns() : io::realtime_offset_ns();
+}
+
+std::int64_t clock_set_ns(std::int64_t offset_at_begin_ns, std::int64_t offset_at_end_ns, double run_s) {
+  const std::int64_t step_ns = offset_at_end_ns - offset_at_begin_ns;
+  return std::abs(1e-9 * static_cast<double>(step_ns)) > least_step_s + fastest_slew * run_s ? step_ns : 0;
+}
 
 RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
   RecordingHeader header;

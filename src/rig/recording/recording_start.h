@@ -13,6 +13,12 @@ namespace thermorig::rig {
 /// What is known before the first byte, but for the acquisition's number.
 RecordingHeader make_header(const RecordingOptions& options, HostTime now);
 
+/// The computer's wall clock against its steady one.
+std::int64_t wall_offset_ns(const RecordingOptions& options);
+
+/// By how much the wall clock was set during `run_s`; 0 if it was only slewed (adjtimex(2): by 500 ppm).
+std::int64_t clock_set_ns(std::int64_t offset_at_begin_ns, std::int64_t offset_at_end_ns, double run_s);
+
 /// From the first byte to the first motion: the servo is greeted, every device speaks, the rig at rest is
 /// judged, and the start is allowed.
 class RecordingStart {

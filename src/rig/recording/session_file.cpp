@@ -90,6 +90,15 @@ SessionFile FolderLock::next(const std::string& utc_compact) const {
           .made_folders = made_folders_};
 }
 
+SessionFile dated(const SessionFile& file, const std::string& utc_compact, files::Disk& disk) {
+  const std::string stem = file.session.stem().string();
+  const auto renamed = file.session.parent_path() / (stem.substr(0, stem.rfind('_') + 1) + utc_compact);
+  SessionFile result = file;
+  result.session = renamed.string() + ".h5";
+  result.journal = renamed.string() + ".journal";
+  return disk.rename(file.journal, result.journal) == 0 ? result : file;
+}
+
 std::string compact_utc(const std::string& utc) {
   std::string compact = utc.substr(0, utc.find('.'));
   std::erase_if(compact,

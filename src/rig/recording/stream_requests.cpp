@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "stream_requests.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -10,18 +11,32 @@ namespace thermorig::rig {
 
 namespace {
 constexpr HostDuration request_patience = std::chrono::seconds(1);
+constexpr double patience_periods = 3.0;  // of a device that sends more seldom
 }  // namespace
 
 std::vector<std::uint8_t> StreamRequests::due(Device device, std::uint64_t messages, HostTime now) {
   Stream& stream = streams_[device];
+  if (!stream.commands.empty()) return next_command(stream, now);
   if (std::exchange(stream.messages, messages) != messages && stream.since) {
     stream.since = now;
     stream.asked = 0;
     return {};
   }
-  if (stream.since && now - *stream.since < request_patience) return {};
+  const double period_s = 1.0 / sensors::device_stream(device, profile_).rate_hz;
+  const HostDuration patience = std::max(request_patience, from_s(patience_periods * period_s));
+  if (stream.since && now - *stream.since < patience) return {};
   stream.since = now;
-  return sensors::stream_request(device, profile_, stream.asked++);
+  const sensors::Commands commands = sensors::stream_request(device, profile_, stream.asked++);
+  stream.commands.assign(commands.begin(), commands.end());
+  return next_command(stream, now);
+}
+
+std::vector<std::uint8_t> StreamRequests::next_command(Stream& stream, HostTime now) {
+  if (stream.commands.empty() || now < stream.next_command) return {};
+  std::vector<std::uint8_t> command = std::move(stream.commands.front());
+  stream.commands.pop_front();
+  stream.next_command = now + sensors::command_gap;
+  return command;
 }
 
 }  // namespace thermorig::rig

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -11,8 +12,8 @@
 
 namespace thermorig::rig {
 
-/// Asks cameras and gyros that do not send by themselves for their streams: when the port has opened, and
-/// again each second in which no message came. What is said, the device's protocol knows; most say nothing.
+/// Asks cameras and gyros for their streams: when the port has opened, and again each second in which no
+/// message came. What is said, the device's protocol knows; many say nothing.
 class StreamRequests {
  public:
   explicit StreamRequests(const RigProfile& profile) : profile_(profile) {}
@@ -27,8 +28,11 @@ class StreamRequests {
   struct Stream {
     std::optional<HostTime> since;  // it was asked, or a message came
     std::uint64_t messages = 0;
-    unsigned asked = 0;  // in vain
+    unsigned asked = 0;                              // in vain
+    std::deque<std::vector<std::uint8_t>> commands;  // of the newest request, not yet sent
+    HostTime next_command{};                         // not before
   };
+  static std::vector<std::uint8_t> next_command(Stream& stream, HostTime now);
 
   RigProfile profile_;
   PerDevice<Stream> streams_;

@@ -30,6 +30,6 @@ inline constexpr FormatVersion with_profile_apart{
 inline constexpr FormatVersion with_checked_constants{2, 1};  // and how the gyro's bias went
 inline constexpr FormatVersion with_corrected_label{2, 2};    // and ripples of the servo
 inline constexpr FormatVersion with_needed_wander{2, 3};      // of a clock
-inline constexpr FormatVersion with_witnesses{2, 4};
+inline constexpr FormatVersion with_witnesses{2, 4};  // and times of no samples, rates that decay, bad pixels
 
 }  // namespace thermorig::session

@@ -25,6 +25,7 @@ void clock_attributes(Visit& visit, Report& clock, FormatVersion version) {
   visit("bound_median_us", clock.bound_median_us);
   if (version >= with_checked_constants) visit("bound_wander_ppm", clock.bound_wander_ppm);
   if (version >= with_needed_wander) visit("needed_wander_ppm", clock.needed_wander_ppm);
+  if (version >= with_witnesses) visit("own_time_unused", clock.own_time_unused);
   visit("largest_constant_delay_s", clock.largest_constant_delay_s);
   visit("latency_s", clock.latency_s);
   visit("latency_uncertainty_s", clock.latency_uncertainty_s);
@@ -119,7 +120,10 @@ void sync_attributes(Visit& visit, Report& sync, FormatVersion version) {
   visit("servo_gyro_ratio_uncertainty", sync.servo.gyro_ratio.uncertainty);
   visit(version.major < 2 ? "label_residual_dps" : "gyro_residual_dps", sync.servo.residual_dps);
   if (version >= with_checked_constants) constant_attributes(visit, sync);
-  if (version >= with_witnesses) witness_attributes(visit, sync.witnesses);
+  if (version < with_witnesses) return;
+  witness_attributes(visit, sync.witnesses);
+  visit("camera_bad_pixels", sync.bad_pixels);
+  visit("gyro_decay_per_s", sync.gyro.decay_per_s);
 }
 
 }  // namespace thermorig::session

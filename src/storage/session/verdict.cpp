@@ -179,6 +179,11 @@ void judge_witnesses(const Session& session, Verdict& verdict) {
 }
 
 void judge_gyro(const Session& session, const Quality& quality, Verdict& verdict) {
+  if (const double decay = session.sync.gyro.decay_per_s; decay > 0.0)
+    verdict.bad(fmt::format(
+        "the gyro's rate falls by {:.0f} % a second while the shaft turns at one speed: its filter "
+        "takes a steady turn for a bias; switch the device to raw rates (6 axes, no fusion)",
+        100.0 * decay));
   if (session.sync.gyro.zeroes_itself) judge_zeroes(session.sync.gyro, verdict);
   if (quality.sound == 0 || contradict_throughout(session.sync.witnesses)) return;
   const double share = static_cast<double>(quality.disagreeing) / static_cast<double>(quality.sound);
@@ -262,6 +267,16 @@ bool contradicts_less(const ClockEpoch& a, const ClockEpoch& b) {
   return quoted_s(a.reason) < quoted_s(b.reason);
 }
 
+/// Counted samples have times as good: what they are known to is judged.
+void judge_own_times(const Session& session, Verdict& verdict) {
+  const std::string& why = session.sync.clock[Device::gyro].own_time_unused;
+  const GyroProfile& gyro = session.raw.header.profile.gyro;
+  if (why.empty()) return;
+  verdict.usable_or_remark(
+      false, fmt::format("the gyro's own times are not those of its samples, which were counted: {}{}", why,
+                         gyro.text.time < 0 ? "" : " (say time_column = -1 in the rig profile)"));
+}
+
 void judge_epochs(const Session& session, Verdict& verdict) {
   for (const Device device : all_devices) {
     const auto& epochs = session.sync.clock[device].epochs;
@@ -293,6 +308,7 @@ void judge(const Session& session, Quality& quality) {
   judge_clocks(session, quality, verdict);
   judge_links(session, verdict);
   judge_epochs(session, verdict);
+  judge_own_times(session, verdict);
   judge_gyro(session, quality, verdict);
   judge_labels(quality, verdict);
   judge_servo(session, quality, verdict);

@@ -89,6 +89,9 @@ class LinkTiming {
   /// LiveClock::missing().
   double missing() const { return clock_ ? clock_->missing() : 0.0; }
 
+  /// From here on hints bring no device_s, or such of another clock.
+  void forget_clock();
+
   /// The device was away: nothing that was learnt of its clock holds for what comes next.
   void restart();
 

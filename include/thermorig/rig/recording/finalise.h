@@ -29,9 +29,11 @@ enum class WithoutEnd : std::uint8_t { keep, retire };
 
 /// A journal -> its session. The journal is removed once the session is on the disk and holds all of it; what
 /// could not be read back stays, as it may interest somebody. Nobody else may make the session meanwhile: the
-/// journal's lock is the caller's. Throws Error: not_a_session, storage.
+/// journal's lock is the caller's. `clock_set_ns`: SessionFile::clock_set_ns. Throws Error: not_a_session,
+/// storage.
 Finalised finalise(const std::filesystem::path& journal, const std::filesystem::path& session,
-                   files::Disk& disk = files::real_disk(), WithoutEnd without_end = WithoutEnd::keep);
+                   files::Disk& disk = files::real_disk(), WithoutEnd without_end = WithoutEnd::keep,
+                   std::int64_t clock_set_ns = 0);
 
 /// `empty`: a journal in which nothing had been recorded yet when its program ended; it is removed.
 enum class RecoveryKind : std::uint8_t { made, already_there, empty, failed, in_use };

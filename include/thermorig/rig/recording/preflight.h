@@ -22,11 +22,12 @@ enum class PreflightMode : std::uint8_t {
 /// What one device sent while the rig stood still.
 struct PreflightStream {
   std::uint64_t messages = 0;
-  double rate_hz = 0.0;        // by the arrivals of the first and the last
-  double nominal_hz = 0.0;     // by the profile
-  double lost_share = 0.0;     // messages missing, by number or by time, of all that were due, 0..1
-  double damaged_share = 0.0;  // bytes that belong to no good message, 0..1
-  double uncertainty_s = 0.0;  // of the newest message's time, one standard deviation
+  double rate_hz = 0.0;         // by the arrivals of the first and the last
+  double nominal_hz = 0.0;      // by the profile
+  double lost_share = 0.0;      // messages missing, by number or by time, of all that were due, 0..1
+  double damaged_share = 0.0;   // bytes that belong to no good message, 0..1
+  double uncertainty_s = 0.0;   // of the newest message's time, one standard deviation
+  std::string own_time_unused;  // why samples are counted though a time comes with each; empty: they are not
 };
 
 /// What the camera's images say.

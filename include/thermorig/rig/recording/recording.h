@@ -52,9 +52,10 @@ struct RecordingOptions {
   SyncPolicy sync;                 // when the journal is synced to the disk
   files::Disk* disk = nullptr;     // to keep it on; none: the system's
   double replug_patience_s = 0.0;  // a needed device that goes is waited for so long; 0: the end at once
-  bool virtual_time = false;       // times are the simulator's: the start is dated with the wall's clock
-  bool keep = true;                // false: no folder, no journal, no session, nothing on the disk
-  bool wait_for_start = false;     // nothing moves before allow_start()
+  std::function<std::int64_t()> realtime_offset_ns;  // io::realtime_offset_ns(), if empty
+  bool virtual_time = false;    // times are the simulator's: the start is dated with the wall's clock
+  bool keep = true;             // false: no folder, no journal, no session, nothing on the disk
+  bool wait_for_start = false;  // nothing moves before allow_start()
   PreflightMode preflight =
       PreflightMode::off;  // else the rig is listened to for 3 s and judged before it is armed
   PerDevice<bool> needed{{true, true, true}};  // without one that is not, it goes on; the servo always is

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -21,6 +22,7 @@ struct SessionFile {
   std::filesystem::path session;
   std::filesystem::path journal;
   std::vector<std::filesystem::path> made_folders;  // that were not there before, the innermost first
+  std::int64_t clock_set_ns = 0;  // by so much the computer's wall clock was set during the recording
 };
 
 /// Throws Error(bad_usage) that says what is allowed unless `environment` is [a-z0-9-]{1,32}.
@@ -50,6 +52,10 @@ class FolderLock {
   std::vector<std::filesystem::path> made_folders_;
   std::unique_ptr<FileLock> lock_;
 };
+
+/// The same acquisition with another start in its names: its journal is renamed. Where that is refused the
+/// names stay.
+SessionFile dated(const SessionFile& file, const std::string& utc_compact, files::Disk& disk);
 
 /// "20260725T143512Z" from "2026-07-25T14:35:12.123456Z".
 std::string compact_utc(const std::string& utc);

@@ -63,6 +63,7 @@ enum { SEARCHING, LEARNING, RUNNING, LOCATING };
 #define SAMPLE_NOISE_DPS 0.15f
 #define LARGEST_RATE_DPS 10000.0f
 #define LONGEST_EXPOSURE_US 4000000u
+#define LARGEST_SIGMA_S 1e6f /* beyond: no number of seconds, infinity as well */
 
 /* A new map begins where the heading is: how well that is known in the one before. */
 static void keep_origin(odometer* s) {
@@ -291,7 +292,11 @@ void thermorig_odometer_push_gyro(thermorig_odometer_state* state, uint32_t time
   gyro_watch* watch = &s->watch;
   const float read_dps = (float)s->profile.gyro_sign * rate_dps[s->profile.gyro_axis];
   float step_s;
-  if (!(size_of(read_dps) < LARGEST_RATE_DPS)) return;
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(size_of(rate_dps[axis]) < LARGEST_RATE_DPS)) {
+      ++s->ignored;
+      return;
+    }
   step_s = watch->has_sample ? seconds_between(watch->last_us, time_us) : 0.0f;
   if (watch->has_sample && step_s <= 0.0f) {
     if (step_s > -1.0f) return;
@@ -341,6 +346,10 @@ void thermorig_odometer_push_frame(thermorig_odometer_state* state, const thermo
                                      : (fresh == 2u ? 1u : 0u);
   const uint32_t last = fresh == 3u ? first ^ 1u : first;
   exposed_turn turn;
+  if (!(frame->time_sigma_s >= 0.0f && frame->time_sigma_s < LARGEST_SIGMA_S)) {
+    ++s->ignored;
+    return;
+  }
   if (s->path.knots == 0u || fresh == 0u) return;
   if (seconds_between(s->watch.last_us, frame->end_us[last]) > LONGEST_GYRO_GAP_S)
     return; /* see reason_of() */
@@ -389,6 +398,7 @@ void thermorig_odometer_read(const thermorig_odometer_state* state, uint32_t tim
   output->scale = filter->value[SCALE];
   output->latency_s = filter->value[LATENCY];
   output->nis = s->nis;
+  output->ignored = s->ignored;
   output->heading_sigma_deg = 180.0f;
   output->rate_sigma_dps = s->profile.bias_sigma_dps;
   if (!filter->has_begun || s->frame_end_us == s->frame_begin_us) return;

@@ -38,7 +38,7 @@ extern "C" {
   232 /* bins that a half may look at: 115 degrees, and what it sweeps beside */
 
 /* RAM of a state, and what the stack needs at most. */
-#define THERMORIG_ODOMETER_STATE_BYTES 35204
+#define THERMORIG_ODOMETER_STATE_BYTES 35208
 #define THERMORIG_ODOMETER_STACK_BYTES 4400
 
 /* What is known of the rig beforehand: `thermorig export` writes it from a profile. */
@@ -88,6 +88,7 @@ typedef struct {
   float bias_dps, scale; /* of the gyro: reading = scale * rate + bias */
   float latency_s;       /* camera against gyro */
   float nis;             /* innovations of late, squared, by what was expected of them: about 1 */
+  uint32_t ignored;      /* samples and frames since the reset of which something is no number */
 } thermorig_odometer_output;
 
 /* What follows is the odometer's own: nothing in it is of use to the caller. */
@@ -213,18 +214,21 @@ typedef struct {
   uint16_t judged, far;       /* halves of the pass; those that lay far from where they were expected */
   float nis, lean, found_dps; /* the speed at which a search found the heading */
   float origin_deg2;          /* a variance: of where the map begins in the first one that was tracked in */
+  uint32_t ignored;
   uint8_t has_seen, has_origin, has_tracked, is_unfit, is_doubted, is_explained;
 } thermorig_odometer_state;
 
 /* At the start: forgets everything. */
 void thermorig_odometer_reset(thermorig_odometer_state* state, const thermorig_odometer_profile* profile);
 
-/* A sample of the gyro: deg/s about its three axes, as read. `saturated`: not 0 at the end of its range. */
+/* A sample of the gyro: deg/s about its three axes, as read. `saturated`: not 0 at the end of its range. One
+ * with a rate that is no number, or beyond 10000 deg/s, is ignored and counted. */
 void thermorig_odometer_push_gyro(thermorig_odometer_state* state, uint32_t time_us, const float rate_dps[3],
                                   int saturated);
 
 /* A frame of the camera, once the gyro's samples up to the end of its exposure were pushed: without them it
- * is passed over. Pixels that are no temperatures (NaN, or beyond -60 to 400 degrees) are left out. */
+ * is passed over. Pixels that are no temperatures (NaN, or beyond -60 to 400 degrees) are left out. A frame
+ * whose time_sigma_s is no number, or negative, is ignored and counted. */
 void thermorig_odometer_push_frame(thermorig_odometer_state* state, const thermorig_odometer_frame* frame);
 
 /* What is known at a time that is not before the newest frame's exposure ended: beyond it the gyro tells. */

@@ -9,6 +9,7 @@
  */
 #include "thermorig_network.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "thermorig_network_weights.h"
@@ -283,8 +284,22 @@ void thermorig_network_reset(thermorig_network_state* state) {
   state->count = 0;
 }
 
+static int is_number(float value) {
+  return value <= FLT_MAX && value >= -FLT_MAX; /* not so for infinity and NaN */
+}
+
+static int is_sound(const float* temp_c, float gyro_dps) {
+  for (int i = 0; i < THERMORIG_NETWORK_CAMERA_ROWS * THERMORIG_NETWORK_CAMERA_COLUMNS; ++i)
+    if (!is_number(temp_c[i])) return 0;
+  return !THERMORIG_NETWORK_FUSION || is_number(gyro_dps);
+}
+
 int thermorig_network_push(thermorig_network_state* state, const float* temp_c, float gyro_dps,
                            thermorig_network_output* output) {
+  if (!is_sound(temp_c, gyro_dps)) {
+    thermorig_network_reset(state);
+    return 0;
+  }
   add_frame(state, temp_c, gyro_dps);
   if (state->count < FRAMES) return 0;
   run_network(state, gyro_of(state), output);
