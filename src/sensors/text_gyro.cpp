@@ -20,9 +20,8 @@ namespace {
 using wire::Bytes;
 using wire::GyroMessage;
 
-constexpr std::size_t line_bytes_max = 256;  // without the line end; no gyro prints longer lines
 constexpr std::size_t line_window = line_bytes_max + 2;
-constexpr std::size_t learning_window = 4 * line_window;
+constexpr std::size_t learning_window = 2 * line_window;
 
 /// Reads gyros that print one line of text a sample.
 ///
@@ -46,12 +45,13 @@ class TextGyroScanner {
   std::size_t skip_to_line_end(Bytes rest);
   std::size_t take_line(const RawLine& line, Bytes rest, std::vector<GyroMessage>& out);
   std::size_t pass_over(std::size_t bytes);
-  std::size_t learn_fields(Bytes rest) const;
+  std::size_t learn_fields(Bytes rest);
   bool has_usual_fields(std::size_t fields);
 
   TextColumns columns_;
   wire::ByteLedger ledger_;
   std::vector<std::uint8_t> pending_;  // received, not yet booked
+  std::string room_;                   // for a line without its colours
   bool at_line_start_;
   std::size_t usual_fields_ = 0;  // of the lines so far, 0: none yet
   std::size_t other_fields_ = 0;  // of the line before, if that was not the usual number
@@ -100,7 +100,7 @@ std::size_t TextGyroScanner::skip_to_line_end(Bytes rest) {
 }
 
 std::size_t TextGyroScanner::take_line(const RawLine& line, Bytes rest, std::vector<GyroMessage>& out) {
-  const TextLine read = read_text_line(columns_, line.text);
+  const TextLine read = read_text_line(columns_, line.text, room_);
   if (is_blank(line.text) || !read.is_sample) return pass_over(line.bytes);
   if (read.reading && usual_fields_ == 0) usual_fields_ = learn_fields(rest);
   if (read.reading && usual_fields_ == 0) return 0;
@@ -125,14 +125,14 @@ std::size_t TextGyroScanner::pass_over(std::size_t bytes) {
 
 /// The number of columns of the first two samples in a row that agree: one line alone may be a banner or the
 /// tail of a line. 0 while more bytes are needed; the first line's where the window has no such two.
-std::size_t TextGyroScanner::learn_fields(Bytes rest) const {
+std::size_t TextGyroScanner::learn_fields(Bytes rest) {
   const Bytes window = rest.first(std::min(rest.size(), learning_window));
   std::size_t first = 0;
   std::size_t before = 0;
   std::size_t at = 0;
   while (const auto line = first_line(window.subspan(at), ended_)) {
     at += line->bytes;
-    const TextLine read = read_text_line(columns_, line->text);
+    const TextLine read = read_text_line(columns_, line->text, room_);
     if (!read.reading || line->text.size() > line_bytes_max) continue;
     if (read.fields == before) return read.fields;
     before = read.fields;
