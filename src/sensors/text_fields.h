@@ -11,9 +11,6 @@
 
 namespace thermorig::sensors {
 
-/// Of a line without its end; what prints longer ones is no gyro that can be read.
-constexpr std::size_t line_bytes_max = 4096;
-
 /// A line of text as it stands in a stream.
 struct RawLine {
   std::string_view text;  // without its end
@@ -23,6 +20,17 @@ struct RawLine {
 /// The line that `bytes` begin with; none if it has no end yet. A line ends with LF, CR LF or CR; a CR at the
 /// very end waits for what follows, unless `ended`.
 std::optional<RawLine> first_line(std::span<const std::uint8_t> bytes, bool ended);
+
+/// Calls `use` with every line of `bytes` that has an end.
+template <typename Use>
+void for_each_line(std::span<const std::uint8_t> bytes, Use use) {
+  while (!bytes.empty()) {
+    const std::optional<RawLine> line = first_line(bytes, true);
+    if (!line) return;
+    use(*line);
+    bytes = bytes.subspan(line->bytes);
+  }
+}
 
 /// A line without a byte order mark in front and without terminal codes (colours: ESC [ ... m). `room` is
 /// used where codes stand among other characters, and is what the result may lie in.

@@ -399,7 +399,11 @@ class Recogniser {
   TextFormat finish() {
     remark_on_rest();
     remark_on_resolution();
-    if (reads_other_lines()) {
+    if (table_->sample_line.size() > text_line_bytes_max) {
+      format_.refusal = fmt::format("its lines have {} bytes, the limit is {}", table_->sample_line.size(),
+                                    text_line_bytes_max);
+      format_.advice = "print fewer columns";
+    } else if (reads_other_lines()) {
       format_.refusal = "lines of rates and lines of other values begin alike, and nothing tells them apart";
       format_.advice = "print one line a sample, or a word at the start of each kind of line";
     }

@@ -20,7 +20,7 @@ namespace {
 using wire::Bytes;
 using wire::GyroMessage;
 
-constexpr std::size_t line_window = line_bytes_max + 2;
+constexpr std::size_t line_window = text_line_bytes_max + 2;
 constexpr std::size_t learning_window = 2 * line_window;
 
 /// Reads gyros that print one line of text a sample.
@@ -85,7 +85,7 @@ void TextGyroScanner::restart() {
 std::size_t TextGyroScanner::step(Bytes rest, std::vector<GyroMessage>& out) {
   if (!at_line_start_) return skip_to_line_end(rest);
   const auto line = first_line(rest.first(std::min(rest.size(), line_window)), ended_);
-  if (line && line->text.size() <= line_bytes_max) return take_line(*line, rest, out);
+  if (line && line->text.size() <= text_line_bytes_max) return take_line(*line, rest, out);
   if (!line && rest.size() < line_window) return 0;
   ++ledger_.counters.bad_length;
   return skip_to_line_end(rest);
@@ -133,7 +133,7 @@ std::size_t TextGyroScanner::learn_fields(Bytes rest) {
   while (const auto line = first_line(window.subspan(at), ended_)) {
     at += line->bytes;
     const TextLine read = read_text_line(columns_, line->text, room_);
-    if (!read.reading || line->text.size() > line_bytes_max) continue;
+    if (!read.reading || line->text.size() > text_line_bytes_max) continue;
     if (read.fields == before) return read.fields;
     before = read.fields;
     if (first == 0) first = read.fields;
@@ -175,6 +175,8 @@ std::optional<Evidence> recognise_text(Bytes bytes, double heard_s) {
   Evidence evidence{.messages = format->lines,
                     .bytes = format->bytes,
                     .text = fmt::format("{} lines of numbers, as a text gyro prints them", format->lines)};
+  if (!format->refusal.empty()) evidence.text = "lines of text: " + format->refusal;
+  evidence.advice = format->advice;
   evidence.text_format = std::move(format);
   return evidence;
 }

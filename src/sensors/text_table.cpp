@@ -211,22 +211,21 @@ std::vector<std::size_t> TextTable::number_columns() const {
 }
 
 std::optional<CountedLine> first_text_line(std::span<const std::uint8_t> bytes) {
-  while (const auto line = first_line(bytes, true)) {
-    if (!is_blank(line->text) && is_text(line->text))
-      return CountedLine{std::string(line->text), split_fields(line->text).size()};
-    bytes = bytes.subspan(line->bytes);
-  }
-  return std::nullopt;
+  std::optional<CountedLine> first;
+  for_each_line(bytes, [&](const RawLine& line) {
+    if (first || is_blank(line.text) || !is_text(line.text)) return;
+    first = {std::string(line.text), split_fields(line.text).size()};
+  });
+  return first;
 }
 
 TextPage read_page(std::span<const std::uint8_t> bytes, StreamStart start) {
   PageReader reader;
   bool whole = start == StreamStart::at_line_start;  // else the first line may be the tail of one
-  while (const auto line = first_line(bytes, true)) {
-    if (whole) reader.add(*line);
+  for_each_line(bytes, [&](const RawLine& line) {
+    if (whole) reader.add(line);
     whole = true;
-    bytes = bytes.subspan(line->bytes);
-  }
+  });
   return reader.page();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -33,12 +34,16 @@ std::vector<std::uint8_t> stream_request(Device device, const RigProfile& profil
 
 /// One that some bytes may come from.
 struct Recognised {
-  Device role;
+  std::optional<Device> role;  // none: no protocol of any table reads it
   std::string_view protocol;
   Evidence evidence;
+
+  /// It can be recorded.
+  bool is_usable() const { return role && evidence.advice.empty(); }
 };
 
-/// All that recognise the bytes, which came in `heard_s` seconds (0: not known).
+/// All that recognise the bytes, which came in `heard_s` seconds (0: not known): this is the one table that
+/// ports, dumps and silent devices are judged by. What no protocol reads comes first, and excludes text.
 std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double heard_s);
 
 /// A stretch of a search at one baud rate.

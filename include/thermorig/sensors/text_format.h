@@ -17,6 +17,9 @@ namespace thermorig::sensors {
 /// printed as text.
 constexpr std::size_t image_line_fields = frame_columns;
 
+/// Of a line without its end; what prints longer ones is no gyro that can be read.
+constexpr std::size_t text_line_bytes_max = 4096;
+
 /// What the lines of a text gyro look like, and how they are to be read: by the words on them, where they
 /// have some. What no word says is a guess, to be checked by a person.
 struct TextFormat {

@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/device_stream.h"
+#include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::rig {
 
@@ -58,7 +60,12 @@ class Listener {
     bytes_.clear();
     opened_ = now;
     PortLoop::PortHandlers handlers;
-    handlers.received = [this](std::span<const std::uint8_t> bytes, HostTime) {
+    handlers.received = [this](std::span<const std::uint8_t> bytes, HostTime arrived) {
+      if (bytes_.empty()) {
+        first_arrival_ = arrived;
+        first_chunk_bytes_ = bytes.size();
+      }
+      last_arrival_ = arrived;
       bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     };
     handlers.lost = [this](const std::string& why) { give_up(why); };
@@ -80,17 +87,30 @@ class Listener {
     loop_.close(*port_);
     port_.reset();
     const Evidence evidence = classify(bytes_, to_s(now - opened_));
-    if (!bytes_.empty()) finding_.how = evidence.text;
-    if (evidence.role) {
-      finding_.role = evidence.role;
-      finding_.baud = has_baud_ ? steps_[step_].at.baud : 0;
-      finding_.protocol = evidence.protocol;
-      finding_.text_format = evidence.text_format;
-      finding_.rate_hz = static_cast<double>(evidence.messages) / to_s(now - opened_);
-      step_ = steps_.size();
-    } else {
-      ++step_;
+    const bool is_named = evidence.role || !evidence.found.advice.empty();
+    if (!bytes_.empty() && (is_named || finding_.advice.empty())) {
+      finding_.how = evidence.found.text;
+      finding_.advice = evidence.found.advice;
     }
+    ++step_;
+    if (!is_named) return;
+    finding_.role = evidence.role;
+    finding_.baud = has_baud_ ? steps_[step_ - 1].at.baud : 0;
+    finding_.protocol = evidence.protocol;
+    finding_.text_format = evidence.found.text_format;
+    finding_.settings = evidence.found.settings;
+    finding_.rate_hz = rate_hz(evidence.found.messages, now);
+    step_ = steps_.size();
+  }
+
+  /// While it spoke: a board that was reset by the opening boots for a second. The first chunk may have
+  /// waited in the system.
+  double rate_hz(std::uint64_t messages, HostTime now) const {
+    const double spoke_s = to_s(last_arrival_ - first_arrival_);
+    const double later_share =
+        1.0 - static_cast<double>(first_chunk_bytes_) / static_cast<double>(bytes_.size());
+    const double heard = static_cast<double>(messages);
+    return spoke_s > 0.0 ? heard * later_share / spoke_s : heard / to_s(now - opened_);
   }
 
   PortLoop& loop_;
@@ -101,15 +121,30 @@ class Listener {
   std::size_t step_ = 0;
   std::optional<PortLoop::PortId> port_;
   std::vector<std::uint8_t> bytes_;
-  HostTime opened_{};
+  HostTime opened_{}, first_arrival_{}, last_arrival_{};
+  std::size_t first_chunk_bytes_ = 0;
   HostTime last_greeting_{};
 };
 
+/// A rate that is as near to the profile's as a short look can tell is the profile's.
+constexpr double same_rate = 0.03;
+
+/// Three digits, as a look of a second tells.
+double rounded_hz(double rate_hz) {
+  const double unit = std::pow(10.0, std::floor(std::log10(rate_hz)) - 2.0);
+  return std::round(rate_hz / unit) * unit;
+}
+
 void apply_gyro(const PortFinding& finding, GyroProfile& gyro) {
-  if (gyro.protocol == finding.protocol) return;
-  gyro.protocol = finding.protocol;
-  gyro.settings.clear();
-  if (finding.text_format) gyro.text = finding.text_format->columns;
+  const sensors::GyroProtocol& protocol = sensors::gyro_protocol(finding.protocol);
+  if (gyro.protocol != finding.protocol) {
+    gyro.protocol = finding.protocol;
+    gyro.settings = finding.settings;
+    if (finding.text_format) gyro.text = finding.text_format->columns;
+  }
+  const bool is_other = std::abs(finding.rate_hz / gyro.output_rate_hz - 1.0) > same_rate;
+  if (!protocol.is_told_rate && finding.rate_hz >= 1.0 && is_other)
+    gyro.output_rate_hz = rounded_hz(finding.rate_hz);
 }
 
 /// "A and B", "A, B and C".
@@ -125,17 +160,16 @@ std::string listed(const std::vector<const PortFinding*>& findings) {
 }  // namespace
 
 Evidence classify(std::span<const std::uint8_t> bytes, double heard_s) {
-  Evidence best{.text = bytes.empty() ? "silent"
-                                      : fmt::format("{} bytes that no known device sends", bytes.size())};
+  Evidence best;
+  best.found.text =
+      bytes.empty() ? "silent" : fmt::format("{} bytes that no known device sends", bytes.size());
   for (sensors::Recognised& found : sensors::recognise(bytes, heard_s)) {
     const double share = static_cast<double>(found.evidence.bytes) / static_cast<double>(bytes.size());
     if (share < share_needed || share <= best.explained_share) continue;
-    best = {.role = found.role,
+    best = {.role = found.is_usable() ? found.role : std::nullopt,
             .protocol = std::string(found.protocol),
-            .messages = found.evidence.messages,
             .explained_share = share,
-            .text = std::move(found.evidence.text),
-            .text_format = std::move(found.evidence.text_format)};
+            .found = std::move(found.evidence)};
   }
   return best;
 }
@@ -170,6 +204,8 @@ RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& fi
       ambiguous.push_back(fmt::format("{} ports look like a {}: {}; name the right one with --{}",
                                       of_role.size(), name_of(device), listed(of_role), name_of(device)));
     if (of_role.size() != 1) continue;
+    const bool reads_text = device == Device::gyro && profile.gyro.protocol == of_role[0]->protocol;
+    if (!of_role[0]->is_known() && !reads_text) continue;  // a guess is not saved
     PortProfile& link = profile.link(device);
     link.port = of_role[0]->info.path;
     link.usb_path = of_role[0]->info.usb_path;
