@@ -42,21 +42,34 @@ std::string shown(const std::string& line, std::size_t fields) {
   return fmt::format("a line reads \"{}\" ({} column{})", line, fields, fields == 1 ? "" : "s");
 }
 
-/// A line of the dump and the options that may read it; empty if there is no text in it.
-std::string advice_on_text(Bytes head) {
+/// The unit is asked for where nothing says it.
+std::string scale_options(const sensors::TextFormat& format) {
+  if (format.scale_known) return "";
+  return format.is_counts ? "; --scale is 1/131, 1/65.5, 1/32.8 or 1/16.4 by the range"
+                          : "; --scale is 1 for deg/s, 57.2958 for rad/s";
+}
+
+/// What lines of text say, and the options that read them; empty if there is no text.
+Advice advice_on_text(Bytes head) {
   if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start)) {
-    const std::string line =
+    std::string reason =
         shown(format->sample_line, format->fields + (format->columns.prefix.empty() ? 0 : 1));
-    if (!format->refusal.empty()) return line + ": " + format->advice;
+    if (!format->refusal.empty()) return {reason + ": " + format->refusal, format->advice};
+    for (const std::string& more : format->remarks) reason += ": " + more;
     const std::string question = sensors::open_question(*format);
-    return line + ": --device gyro " + options_text(format->columns) + " (" + assumptions_text(*format) +
-           (question.empty() ? "" : "; to be checked: " + question) + ")";
+    if (!question.empty()) reason += ": " + question;
+    return {reason, "--device gyro " + options_text(format->columns) + scale_options(*format) + " (" +
+                        assumptions_text(*format) + ")"};
   }
   if (const auto line = sensors::first_text_line(head))
-    return shown(line->text, line->fields) +
-           ": --device gyro --gyro-protocol text, and how to read it: --prefix, --columns, --scale, "
-           "--time-column";
-  return "";
+    return {shown(line->text, line->fields),
+            "--device gyro --gyro-protocol text, and how to read it: --prefix, --columns, --scale, "
+            "--time-column"};
+  return {};
+}
+
+std::string in_one(const Advice& advice) {
+  return advice.reason + ": " + advice.what_to_try;
 }
 
 /// Another way to form the check sum that gives frames; empty if there is none.
@@ -163,28 +176,33 @@ Advice advice_on_nothing(const DecodeOptions& options, std::span<const std::uint
     return {"", advice_on_camera(options, head)};
   if (counters.bytes_received > 0 && counters.bytes_pending == counters.bytes_received)
     return {"", "a longer dump: this one ends within its first message"};
-  std::string text = advice_on_text(head);
-  if (!text.empty()) return {"", text};
+  Advice text = advice_on_text(head);
+  if (!text.what_to_try.empty()) return text;
   return {"nothing in them is known",
           "another baud rate when the dump is taken, or another device: wrong rates give "
           "bytes without sense"};
 }
 
-std::vector<std::string> remarks_on(const DecodeOptions& options, std::span<const std::uint8_t> head,
-                                    const wire::Counters& counters) {
+std::vector<std::string> remarks_on(const DecodeOptions& options, const Recognition& recognition,
+                                    std::span<const std::uint8_t> head, const wire::Counters& counters) {
   if (is_mostly_bad(counters) && options.device == Device::camera)
     return {"most frames are damaged: " + advice_on_camera(options, head)};
   if (!is_text_gyro(options))
     return is_mostly_bad(counters) ? std::vector<std::string>{"most messages are damaged"}
                                    : std::vector<std::string>{};
-  if (is_mostly_bad(counters)) return {"most lines could not be read: " + advice_on_text(head)};
+  std::vector<std::string> remarks;
   if (counters.bad_length > 0)
-    return {fmt::format("{} lines are longer than the limit of {} bytes, and were left out",
-                        count_text(counters.bad_length), count_text(sensors::text_line_bytes_max))};
-  const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
-  if (format && speaks_for_others(*format, options))
-    return {"the lines speak for other columns: " + advice_on_text(head)};
-  return {};
+    remarks.push_back(fmt::format("{} lines were left out: they are longer than the limit of {} bytes",
+                                  count_text(counters.bad_length), count_text(sensors::text_line_bytes_max)));
+  if (is_mostly_bad(counters))
+    remarks.push_back("most lines could not be read: " + in_one(advice_on_text(head)));
+  else if (recognition.text_format)
+    remarks.insert(remarks.end(), recognition.text_format->remarks.begin(),
+                   recognition.text_format->remarks.end());
+  else if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
+           format && speaks_for_others(*format, options))
+    remarks.push_back("the lines speak for other columns: " + in_one(advice_on_text(head)));
+  return remarks;
 }
 
 }  // namespace thermorig::app

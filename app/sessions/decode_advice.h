@@ -43,7 +43,7 @@ Advice advice_on_nothing(const DecodeOptions& options, std::span<const std::uint
 
 /// What to say where something was decoded: that most of it was bad, or that the lines of a text gyro speak
 /// for other columns than those that were read. Empty where all is well.
-std::vector<std::string> remarks_on(const DecodeOptions& options, std::span<const std::uint8_t> head,
-                                    const wire::Counters& counters);
+std::vector<std::string> remarks_on(const DecodeOptions& options, const Recognition& recognition,
+                                    std::span<const std::uint8_t> head, const wire::Counters& counters);
 
 }  // namespace thermorig::app

@@ -239,12 +239,13 @@ bool names_columns(const DecodeOptions& options) {
 }
 
 /// How a gyro is read that no option names.
-DecodeOptions completed(DecodeOptions options, Learnt& learnt) {
+DecodeOptions completed(DecodeOptions options, ByteSource& source, Learnt& learnt) {
   if (options.device != Device::gyro || !options.gyro_protocol.empty()) return options;
   if (names_columns(options)) {
     options.gyro_protocol = "text";
     return options;
   }
+  learnt.head = read_head(source);
   learnt.recognition = recognise_gyro(learnt.head);
   options.gyro_protocol = learnt.recognition.gyro_protocol;
   return options;
@@ -288,15 +289,12 @@ void print_summary(const DecodeOptions& options, const std::string& name, const 
 ExitCode run(const DecodeOptions& given) {
   ByteSource source(given.file);
   Learnt learnt;
-  learnt.head = read_head(source);
-  const DecodeOptions options = completed(given, learnt);
+  const DecodeOptions options = completed(given, source, learnt);
   MessagePrinter printer(options);
   print_recognition(options, learnt.recognition);
   const wire::Counters counters = decode(options, source, printer, learnt);
-  std::vector<std::string> remarks =
-      printer.count() > 0 ? remarks_on(options, learnt.head, counters) : std::vector<std::string>();
-  if (const auto& format = learnt.recognition.text_format)
-    remarks.insert(remarks.end(), format->remarks.begin(), format->remarks.end());
+  std::vector<std::string> remarks;
+  if (printer.count() > 0) remarks = remarks_on(options, learnt.recognition, learnt.head, counters);
   if (learnt.zeros.is_seen()) remarks.push_back(remark_on_zeros(learnt.zeros));
   print_summary(options, source.name(), counters, printer, learnt.recognition, remarks);
   if (printer.count() == 0) refuse_bytes(options, source.name(), counters, learnt.head);

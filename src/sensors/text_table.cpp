@@ -19,9 +19,14 @@ double finite_number(std::string_view text) {
   return std::isfinite(number) ? number : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::string_view trimmed(std::string_view text, std::string_view characters) {
-  text.remove_prefix(std::min(text.find_first_not_of(characters), text.size()));
-  return text.substr(0, text.find_last_not_of(characters) + 1);
+std::string_view trimmed(std::string_view text, std::string_view front, std::string_view back) {
+  text.remove_prefix(std::min(text.find_first_not_of(front), text.size()));
+  return text.substr(0, text.find_last_not_of(back) + 1);
+}
+
+/// A name as it stands between numbers: "Gyr (DPS)" of "], Gyr (DPS) [", "gx" of {"gx":.
+std::string_view bare_name(std::string_view text) {
+  return trimmed(text, " \t,;:=|]})[{\"'", " \t,;:=|[{(\"'");
 }
 
 /// What stands before the first number, without the blanks between; all if there is none. The name of a
@@ -56,8 +61,7 @@ struct Parts {
 Parts parts_of(std::string_view line) {
   const std::string_view rest = behind_clock(line);
   const std::string_view leading = leading_text(rest);
-  if (is_blank(leading) || holds_clock(leading) || trimmed(leading, " [{(\"'").empty())
-    return {{}, line, line};
+  if (is_blank(leading) || holds_clock(leading) || bare_name(leading).empty()) return {{}, line, line};
   return {leading, rest.substr(leading.size()), rest};
 }
 
@@ -79,7 +83,7 @@ std::vector<TextColumn> columns_of(const Parts& parts) {
     reader.words(words_until(digits.data()));
     reader.number();
     numbers.push_back(columns.size() - 1);
-    column.name = trimmed(words_until(digits.data()), " \t,;:=[]{}()\"'|");
+    column.name = bare_name(words_until(digits.data()));
     behind = digits.data() + digits.size();
   }
   reader.words(words_until(parts.words.data() + parts.words.size()));
@@ -126,7 +130,7 @@ bool take_names(const std::string& header, TextTable& table) {
       WordReader reader;
       reader.words(names[i]);
       reader.number();
-      table.columns[*holds[i]].name = trimmed(names[i], " \t\"'");
+      table.columns[*holds[i]].name = bare_name(names[i]);
       table.columns[*holds[i]].meaning = reader.meanings().front();
       if (!reader.meanings().front().axis_named) table.columns[*holds[i]].meaning.axis.reset();
     }
