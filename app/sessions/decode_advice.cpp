@@ -194,6 +194,11 @@ std::vector<std::string> remarks_on(const DecodeOptions& options, const Recognit
   if (counters.bad_length > 0)
     remarks.push_back(fmt::format("{} lines were left out: they are longer than the limit of {} bytes",
                                   count_text(counters.bad_length), count_text(sensors::text_line_bytes_max)));
+  if (counters.layout_changes > 0)
+    remarks.push_back(
+        fmt::format("the lines went on with another number of columns {} time(s): from there on the "
+                    "columns may mean something else",
+                    count_text(counters.layout_changes)));
   if (is_mostly_bad(counters))
     remarks.push_back("most lines could not be read: " + in_one(advice_on_text(head)));
   else if (recognition.text_format)

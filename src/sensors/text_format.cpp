@@ -265,8 +265,7 @@ class Recogniser {
     find_time();
     if (numbers_.size() < axes) return std::nullopt;
     if (numbers_.size() == axes && is_headed_by_rates()) {
-      take_rates(
-          {static_cast<int>(numbers_[0]), static_cast<int>(numbers_[1]), static_cast<int>(numbers_[2])});
+      take_rates(in_named_order(0));
       say(fmt::format("{} are the rates, as the lines above say", columns_text()));
       if (above_.last_scale_dps() > 0.0)
         take_scale(above_.last_scale_dps(),
@@ -290,9 +289,20 @@ class Recogniser {
                         numbers_[i + 2]));
         break;
       }
-    for (std::size_t axis = 0; axis < axes; ++axis)
-      format_.columns.rate[axis] = static_cast<int>(numbers_[at + axis]);
+    format_.columns.rate = in_named_order(at);
     say(fmt::format("{} are taken as the rates, which is a guess", columns_text()));
+  }
+
+  /// Three columns, by the axes that a header names ("z,y,x") or in their order.
+  Rates in_named_order(std::size_t at) const {
+    Rates named{-1, -1, -1}, ordered{};
+    for (std::size_t i = 0; i < axes; ++i) {
+      const std::size_t column = numbers_[at + i];
+      const Meaning& meaning = table_->columns[column].meaning;
+      if (meaning.axis_named) named[*meaning.axis] = static_cast<int>(column);
+      ordered[i] = static_cast<int>(column);
+    }
+    return count_of(named) == axes ? named : ordered;
   }
 
   /// The lines without numbers, and single ones with some, speak of rates alone.
@@ -399,30 +409,43 @@ class Recogniser {
   TextFormat finish() {
     remark_on_rest();
     remark_on_resolution();
+    if (reads_other_lines()) lengthen_prefix();
     if (table_->sample_line.size() > text_line_bytes_max) {
       format_.refusal = fmt::format("its lines have {} bytes, the limit is {}", table_->sample_line.size(),
                                     text_line_bytes_max);
       format_.advice = "print fewer columns";
-    } else if (reads_other_lines()) {
+    } else if (reads_other_lines() || is_told_by_headings()) {
       format_.refusal = "lines of rates and lines of other values begin alike, and nothing tells them apart";
       format_.advice = "print one line a sample, or a word at the start of each kind of line";
     }
     return format_;
   }
 
-  /// Two sorts of lines would pass for samples, or headings tell bare lines apart.
+  /// Two sorts of lines would pass for samples.
   bool reads_other_lines() const {
-    std::size_t read = 0;
     std::string room;
-    for (const TextTable& table : page_.tables) {
-      if (!is_enough(table)) continue;
+    return std::any_of(page_.tables.begin(), page_.tables.end(), [&](const TextTable& table) {
+      const bool is_rare = 10 * table.rows.size() < table_->rows.size();  // damaged ones
+      if (is_rare || &table == table_) return false;
       const TextLine line = read_text_line(format_.columns, table.sample_line, room);
-      if (line.reading && line.fields == format_.fields) read += table.rows.size();
-    }
-    const bool by_headings = format_.columns.prefix.empty() &&
-                             2 * page_.heading_lines >= table_->rows.size() && page_.headings.size() > 1 &&
-                             page_.rows >= rows_of_a_rest && !format_.rates_known;
-    return read > table_->rows.size() || by_headings;
+      return line.reading && named_rates(table) != named_rates(*table_);
+    });
+  }
+
+  /// The first column's name becomes the prefix: "gx:" of lines that also begin with "ax:".
+  void lengthen_prefix() {
+    const std::string_view line = table_->sample_line;
+    const std::size_t at = std::min(line.find_first_not_of(" \t"), line.size());
+    const auto first = Fields(line).next();
+    if (format_.columns.prefix.empty() && first && !first->name.empty())
+      format_.columns.prefix =
+          line.substr(at, static_cast<std::size_t>(first->value.data() - line.data()) - at);
+  }
+
+  /// Headings, not words on the lines, tell what bare lines hold.
+  bool is_told_by_headings() const {
+    return !format_.rates_known && 2 * page_.heading_lines >= table_->rows.size() &&
+           page_.headings.size() > 1 && page_.rows >= rows_of_a_rest;
   }
 
   void remark_on_rest() {

@@ -141,9 +141,13 @@ std::size_t TextGyroScanner::learn_fields(Bytes rest) {
   return ended_ || window.size() == learning_window ? first : 0;
 }
 
-/// A lost line feed or comma changes the number of fields. Two lines in a row set a new usual number.
+/// A lost line feed or comma changes the number of fields. Two lines in a row set a new usual number: the
+/// layout has changed, and the columns may mean something else.
 bool TextGyroScanner::has_usual_fields(std::size_t fields) {
-  if (other_fields_ == fields) usual_fields_ = fields;
+  if (other_fields_ == fields) {
+    usual_fields_ = fields;
+    if (ledger_.counters.messages > 0) ++ledger_.counters.layout_changes;
+  }
   other_fields_ = fields == usual_fields_ ? 0 : fields;
   return fields == usual_fields_;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "text_fields.h"
@@ -89,6 +90,19 @@ std::vector<TextColumn> columns_of(const Parts& parts) {
   reader.words(words_until(parts.words.data() + parts.words.size()));
   for (std::size_t i = 0; i < numbers.size(); ++i) columns[numbers[i]].meaning = reader.meanings()[i];
   return columns;
+}
+
+/// The words of a line as far as they tell its kind: without those that hold digits, such as a clock.
+std::string words_of(const std::vector<TextColumn>& columns) {
+  std::string words;
+  for (const TextColumn& column : columns) {
+    Fields fields(column.name);
+    while (const auto field = fields.next())
+      if (std::none_of(field->text.begin(), field->text.end(), is_digit))
+        words += std::string(field->text) + " ";
+    words += "|";
+  }
+  return words;
 }
 
 std::size_t decimals_of(std::string_view value) {
@@ -182,12 +196,13 @@ class PageReader {
 
   void add_row(std::string_view line, const Parts& parts) {
     const std::vector<TextField> fields = split_fields(parts.columns);
-    const auto [place, is_new] =
-        kinds_.try_emplace({std::string(parts.prefix), fields.size()}, page_.tables.size());
+    std::vector<TextColumn> columns = columns_of(parts);
+    const auto [place, is_new] = kinds_.try_emplace(
+        {std::string(parts.prefix), words_of(columns), fields.size()}, page_.tables.size());
     if (is_new)
       page_.tables.push_back({.prefix = std::string(parts.prefix),
                               .sample_line = std::string(line),
-                              .columns = columns_of(parts),
+                              .columns = std::move(columns),
                               .rows = {}});
     TextTable& table = page_.tables[place->second];
     auto& row = table.rows.emplace_back();
@@ -201,7 +216,7 @@ class PageReader {
   static constexpr std::size_t headings_max = 64;  // more distinct ones are no headings
 
   TextPage page_;
-  std::map<std::pair<std::string, std::size_t>, std::size_t> kinds_;  // by prefix and number of columns
+  std::map<std::tuple<std::string, std::string, std::size_t>, std::size_t> kinds_;  // prefix, words, columns
   std::string room_;
 };
 

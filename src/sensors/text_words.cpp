@@ -76,6 +76,11 @@ constexpr std::array known_words{
     KnownWord{"battery", Quantity::other},
     KnownWord{"calibration", Quantity::other},
     KnownWord{"steps", Quantity::other},
+    KnownWord{"bias", Quantity::other},
+    KnownWord{"offset", Quantity::other},
+    KnownWord{"offsets", Quantity::other},
+    KnownWord{"range", Quantity::other},
+    KnownWord{"std", Quantity::other},
     KnownWord{"hz", Quantity::other},
 };
 
@@ -240,6 +245,7 @@ std::size_t unit_length(std::string_view text) {
 
 void WordReader::words(std::string_view text) {
   named_in_gap_ = joined_ = false;
+  is_first_word_ = true;
   axis_.reset();
   for (std::size_t at = 0; at < text.size();) {
     const bool is_sign = static_cast<unsigned char>(text[at]) >= 0x80;
@@ -263,6 +269,7 @@ void WordReader::words(std::string_view text) {
     const std::size_t end = is_sign ? at + 1 : word_end(text, at);
     const bool in_number = at > 0 && is_digit(text[at - 1]);  // "0x50"
     if (!is_sign && !in_number) word(text, at, end);
+    is_first_word_ = false;
     at = end;
   }
 }
@@ -285,7 +292,10 @@ void WordReader::word(std::string_view text, std::size_t begin, std::size_t end)
     if (word == "roll" || word == "rollrate") return name(*known, 0);
     return name(*known, std::nullopt);
   }
-  if (const auto stem = find(stems, word); stem && (axis_behind(text, end) || (word == "q" && has_digit)))
+  const bool is_label =
+      is_first_word_ && end < text.size() && text[end] == ':';  // "G: 1 2 3", not "Acc in G:"
+  if (const auto stem = find(stems, word);
+      stem && (axis_behind(text, end) || (word == "q" && has_digit) || (is_label && word.size() == 1)))
     return name(*stem, std::nullopt);
   const std::optional<std::size_t> axis = axis_of(word.back());
   const std::string_view rest = std::string_view(word).substr(0, word.size() - 1);

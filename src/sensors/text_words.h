@@ -72,6 +72,7 @@ class WordReader {
   std::size_t group_ = 0;      // its first number
   bool axes_named_ = false;    // of the group
   bool named_in_gap_ = false;  // since the last number: a unit that comes now is of the numbers to come
+  bool is_first_word_ = true;  // of those between two numbers
   bool joined_ = false;        // the word before belongs to the same name: "accAngleX"
   std::array<bool, 9> named_{};
   double last_scale_dps_ = 0.0;

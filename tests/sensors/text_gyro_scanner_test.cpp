@@ -118,6 +118,8 @@ TEST(TextGyroScanner, FollowsADeviceThatChangesItsNumberOfColumns) {
   const auto scan = scan_text("x\n1,2,3\n1,2,3\n1,2,3,25\n1,2,3,25\n1,2,3,25\n");
   EXPECT_EQ(scan.messages.size(), 4U);
   EXPECT_EQ(scan.counters.bad_value, 1U);
+  EXPECT_EQ(scan.counters.layout_changes, 1U) << "which is told: the columns may mean something else";
+  EXPECT_EQ(scan_text("x\n1,2,3\n4,5,67,8,9\n1,2,3\n1,2,3\n").counters.layout_changes, 0U);
 }
 
 TEST(TextGyroScanner, DoesNotTrustAFirstLineThatMayBeATail) {

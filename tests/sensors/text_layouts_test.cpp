@@ -317,6 +317,33 @@ const std::vector<Layout> layouts{
            "Yaw: {:.1f} Pitch: 2.0 Roll: -1.0 AngVelX: {:.2f} AngVelY: {:.2f} AngVelZ: {:.2f} deg/s",
            0.01 * v.ms, v.g(0), v.g(1), v.g(2));
      }},
+    {"two kinds of lines whose columns alone have names",
+     [](const Values& v) {
+       return fmt::format("ax:{:.2f},ay:{:.2f},az:{:.2f}\ngx:{:.2f},gy:{:.2f},gz:{:.2f} deg/s", v.a(0),
+                          v.a(1), v.a(2), v.g(0), v.g(1), v.g(2));
+     }},
+    {"letters before three numbers each",
+     [](const Values& v) {
+       return fmt::format("A: {:6.0f} {:6.0f} {:6.0f}    G: {:6.0f} {:6.0f} {:6.0f}", v.a(0, 16384),
+                          v.a(1, 16384), v.a(2, 16384), v.g(0), v.g(1), v.g(2));
+     },
+     0.00875, "", false, true},
+    {"a line each of a letter, with units behind",
+     [](const Values& v) {
+       return fmt::format(
+           "G: {:.2f}, {:.2f}, {:.2f} deg/s\nA: {:.2f}, {:.2f}, {:.2f} g\nM: 0.12, 0.34, 0.56 gauss\n",
+           v.g(0), v.g(1), v.g(2), v.a(0), v.a(1), v.a(2));
+     }},
+    {"a quoted header with units",
+     [](const Values& v) {
+       return fmt::format("{:.3f},{:.4E},{:.4E},{:.4E},0.35", 0.001 * v.ms, v.g(0), v.g(1), v.g(2));
+     },
+     rad_s,
+     "\"Time (s)\",\"Gyroscope x (rad/s)\",\"Gyroscope y (rad/s)\",\"Gyroscope z (rad/s)\",\"Absolute "
+     "(rad/s)\"\r\n"},
+    {"a header that names axes in another order",
+     [](const Values& v) { return fmt::format("{},{:.3f},{:.3f},{:.3f}", v.ms, v.g(2), v.g(1), v.g(0)); },
+     1.0, "seconds_elapsed,z,y,x\r\n", true, true},
     {"bare columns of three",
      [](const Values& v) { return fmt::format("{:.2f} {:.2f} {:.2f}", v.g(0), v.g(1), v.g(2)); }, 1.0, "",
      true, true},
@@ -391,6 +418,15 @@ TEST(TextLayouts, WhoseKindsOfLinesBeginAlikeAreRefused) {
   const auto format = guess(text);
   ASSERT_TRUE(format.has_value());
   EXPECT_THAT(format->refusal, HasSubstr("begin alike"));
+  std::string axes;
+  for (int i = 10; i < 30; ++i)
+    axes += fmt::format("Gyroscope:\n X: 0.{0} Y: 0.2 Z: 0.3\nAccelerometer:\n X: 0.01 Y: 0.{0} Z: 1.0\n", i);
+  EXPECT_THAT(guess(axes)->refusal, HasSubstr("begin alike"));
+  std::string log;
+  for (int i = 10; i < 30; ++i)
+    log += fmt::format(
+        "I (10{0}) MPU: acc x=0.{0} y=0.2 z=9.8\nI (10{0}) MPU: gyro x=0.{0} y=0.2 z=0.3 dps, t=25.1\n", i);
+  EXPECT_THAT(guess(log)->refusal, HasSubstr("begin alike"));
 }
 
 TEST(TextLayouts, WithDecimalCommasAreRefusedWhereSomethingElseSeparates) {

@@ -11,6 +11,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/hand_turn.h"
 
 namespace thermorig::rig {
 
@@ -142,6 +143,7 @@ void apply_gyro(const PortFinding& finding, GyroProfile& gyro) {
     gyro.settings = finding.settings;
     if (finding.text_format) gyro.text = finding.text_format->columns;
   }
+  if (finding.axis) gyro.axis = *finding.axis;
   const bool is_other = std::abs(finding.rate_hz / gyro.output_rate_hz - 1.0) > same_rate;
   if (!protocol.is_told_rate && finding.rate_hz >= 1.0 && is_other)
     gyro.output_rate_hz = rounded_hz(finding.rate_hz);
@@ -192,6 +194,33 @@ std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports
   std::vector<PortFinding> findings;
   for (const auto& listener : listeners) findings.push_back(listener->finding());
   return findings;
+}
+
+std::optional<PortFinding> hear_hand_turn(PortFinding finding, PortLoop& loop) {
+  std::vector<std::uint8_t> bytes;
+  const HostTime begin = loop.now();
+  PortLoop::PortHandlers handlers;
+  std::optional<HostTime> first;
+  HostTime last = begin;
+  handlers.received = [&](std::span<const std::uint8_t> more, HostTime arrived) {
+    if (!first) first = arrived;
+    last = arrived;
+    bytes.insert(bytes.end(), more.begin(), more.end());
+  };
+  handlers.lost = [&](const std::string&) { loop.stop(); };
+  const PortLoop::PortId port = loop.open({.port = finding.info.path, .baud = finding.baud},
+                                          std::move(handlers), io::Refusal::names_holder);
+  loop.every(listening_tick, [&](HostTime now) {
+    if (to_s(now - begin) >= hand_turn_s) loop.stop();
+  });
+  loop.run();
+  loop.close(port);
+  if (!first || !finding.text_format) return std::nullopt;
+  const auto turn = sensors::turned_by_hand(bytes, *finding.text_format, to_s(last - *first));
+  if (!turn) return std::nullopt;
+  finding.text_format = turn->format;
+  finding.axis = turn->axis;
+  return finding;
 }
 
 RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& findings,

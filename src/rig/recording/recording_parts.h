@@ -69,6 +69,7 @@ struct Recording::Parts {
   void ask_for_streams(HostTime now);
   void write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now);
   void note_epoch(const ClockEpoch& epoch, HostTime now);
+  void note_layout(HostTime now);
   void event(const RecordingEvent& event);
   void fail(const Error& error, HostTime now);
   void lose(Device device, const Error& error, HostTime now, bool has_port = true);
@@ -101,6 +102,7 @@ struct Recording::Parts {
   std::string gone_advice;  // of the first that it went on without
   std::vector<RecordingEvent> new_events;
   std::optional<LabelledSample> last_sample;
+  std::uint64_t layout_changes_to_say = 1;
 };
 
 }  // namespace thermorig::rig

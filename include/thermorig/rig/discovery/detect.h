@@ -39,6 +39,7 @@ struct PortFinding {
   std::string advice;      // what it sends cannot be recorded: what to try; else empty
   double rate_hz = 0.0;    // messages a second while it spoke
   std::optional<sensors::TextFormat> text_format;  // of a text gyro
+  std::optional<int> axis;                         // of x, y, z: the gyro's that a hand has turned
   std::map<std::string, double> settings;          // of a gyro's protocol, which its bytes tell
 
   /// Nothing of how it is read is a guess.
@@ -52,6 +53,14 @@ std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports
 /// The same on the ports and the clock of `loop`, which serves nothing else, and is not run again after it.
 std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, PortLoop& loop,
                                           double listen_s = 6.0);
+
+/// How long a turn by hand is listened to.
+constexpr double hand_turn_s = 8.0;
+
+/// Listens to a text gyro, of which its lines say too little, while it is turned by hand
+/// (sensors/hand_turn.h): its finding, in which nothing is a guess any more. Nothing if the turn did not tell
+/// it.
+std::optional<PortFinding> hear_hand_turn(PortFinding finding, PortLoop& loop);
 
 /// The profile with the ports, bauds, protocols and rates that were found. The columns of a text gyro are
 /// taken where its lines say what they are and the profile had no text gyro before; columns that a person has
