@@ -23,8 +23,14 @@ std::string_view without_leading(std::string_view text, std::string_view charact
   return text;
 }
 
+/// What most fields are: nothing stands in front of the number.
+bool begins_with_number(std::string_view text) {
+  return !text.empty() && (is_digit(text[0]) || text[0] == '-');
+}
+
 /// A name begins with a letter, so that "12:30" stays what it is; it needs a value right behind it.
 TextField field_of(std::string_view text) {
+  if (begins_with_number(text)) return {text, {}, text};
   const std::string_view bare = without_leading(text, before_names);
   const std::size_t mark = bare.find_last_of(":=");
   if (mark == std::string_view::npos || mark + 1 == bare.size() || !is_letter(bare[0]))
@@ -48,7 +54,7 @@ struct Digits {
 };
 
 Digits digits_in(std::string_view text) {
-  text = without_leading(text, opening);
+  if (!begins_with_number(text)) text = without_leading(text, opening);
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   Digits digits;
   const char* const end = text.data() + text.size();
@@ -146,7 +152,12 @@ std::string_view digits_of(std::string_view text) {
 }
 
 bool has_decimal_commas(std::string_view line) {
-  if (line.find(',') == line.npos || line.find_first_of("; \t") == line.npos) return false;
+  bool has_comma = false, has_other = false;
+  for (const char c : line) {
+    has_comma |= c == ',';
+    has_other |= c == ';' || c == ' ' || c == '\t';
+  }
+  if (!has_comma || !has_other) return false;
   std::size_t with_comma = 0;
   while (!(line = without_leading(line, "; \t\v\f")).empty()) {
     std::string_view cell = line.substr(0, std::min(line.find_first_of("; \t\v\f"), line.size()));

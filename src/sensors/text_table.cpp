@@ -170,7 +170,6 @@ class PageReader {
     }
     if (!is_text(text)) return;
     page_.bytes += line.bytes;
-    page_.longest_bytes = std::max(page_.longest_bytes, line.text.size());
     const Parts parts = parts_of(text);
     if (leading_text(parts.columns).size() == parts.columns.size()) return add_heading(text);
     ++page_.rows;

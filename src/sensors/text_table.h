@@ -36,8 +36,7 @@ struct TextPage {
   std::size_t heading_lines = 0;      // how many there are
   std::size_t rows = 0;
   std::size_t rows_with_decimal_commas = 0;
-  std::uint64_t bytes = 0;        // in lines of text, with their ends
-  std::size_t longest_bytes = 0;  // of a line of text, without its end
+  std::uint64_t bytes = 0;  // in lines of text, with their ends
 };
 
 TextPage read_page(std::span<const std::uint8_t> bytes, StreamStart start);

@@ -223,14 +223,6 @@ std::optional<std::size_t> axis_behind(std::string_view text, std::size_t end) {
 
 }  // namespace
 
-bool is_letter(char c) {
-  return small(c) >= 'a' && small(c) <= 'z';
-}
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
-
 std::string_view name_of(Quantity quantity) {
   constexpr std::array<std::string_view, 9> names{
       "numbers without a name", "time",   "rates",       "accelerations", "a magnetic field",

@@ -28,8 +28,12 @@ enum class Quantity : std::uint8_t {
 
 constexpr double dps_of_rad_s = 180.0 / std::numbers::pi;
 
-bool is_letter(char c);
-bool is_digit(char c);
+inline bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+inline bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
 
 /// In words: "accelerations".
 std::string_view name_of(Quantity quantity);

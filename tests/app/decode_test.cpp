@@ -89,7 +89,9 @@ TEST_F(Decode, SaysThatADumpIsAFlightControllers) {
   for (int i = 0; i < 20; ++i)
     append(dump, simulation::gyro_encoder(profile).bytes({.index = static_cast<std::uint64_t>(i)}, profile));
   write("dump.bin", dump);
-  EXPECT_THAT(run("decode --device gyro dump.bin").err, HasSubstr("--gyro-protocol mavlink"));
+  EXPECT_THAT(run("decode --device gyro --gyro-protocol witmotion dump.bin").err,
+              HasSubstr("--gyro-protocol mavlink"));
+  EXPECT_THAT(run("decode --device gyro dump.bin").out, HasSubstr("read  mavlink, message 26"));
   EXPECT_THAT(run("decode --device camera dump.bin").err, HasSubstr("--device gyro --gyro-protocol mavlink"));
 }
 
@@ -209,7 +211,7 @@ TEST_F(Decode, NamesLinesThatAreLongerThanTheLimit) {
   std::string text;
   for (int i = 0; i < 20; ++i)
     text += fmt::format("gx_dps:{},gy_dps:2,gz_dps:3,{}\n", i, std::string(5000, '7'));
-  EXPECT_THAT(run_on_text("", text).err, HasSubstr("its lines have 5029 bytes, the limit is 4096"));
+  EXPECT_THAT(run_on_text("", text).err, HasSubstr("its lines have 5027 bytes, the limit is 4096"));
   for (int i = 0; i < 40; ++i) text += "1,2,3\n";
   EXPECT_THAT(run_on_text("--gyro-protocol text", text).out, HasSubstr("note  20 lines were left out"));
 }

@@ -100,18 +100,18 @@ class Listener {
     finding_.protocol = evidence.protocol;
     finding_.text_format = evidence.found.text_format;
     finding_.settings = evidence.found.settings;
-    finding_.rate_hz = rate_hz(evidence.found.messages, now);
+    finding_.rate_hz = rate_hz(evidence.found, now);
     step_ = steps_.size();
   }
 
-  /// While it spoke: a board that was reset by the opening boots for a second. The first chunk may have
-  /// waited in the system.
-  double rate_hz(std::uint64_t messages, HostTime now) const {
+  /// While it spoke: a board that was reset by the opening boots for a second. By the bytes, as the first
+  /// chunk may have waited in the system, and what is cut at either end is no message.
+  double rate_hz(const sensors::Evidence& found, HostTime now) const {
+    const auto heard = static_cast<double>(found.messages);
     const double spoke_s = to_s(last_arrival_ - first_arrival_);
-    const double later_share =
-        1.0 - static_cast<double>(first_chunk_bytes_) / static_cast<double>(bytes_.size());
-    const double heard = static_cast<double>(messages);
-    return spoke_s > 0.0 ? heard * later_share / spoke_s : heard / to_s(now - opened_);
+    if (found.messages == 0 || spoke_s <= 0.0) return heard / to_s(now - opened_);
+    const double bytes_a_message = static_cast<double>(found.bytes) / heard;
+    return static_cast<double>(bytes_.size() - first_chunk_bytes_) / bytes_a_message / spoke_s;
   }
 
   PortLoop& loop_;
