@@ -102,8 +102,10 @@ std::string text_gyro_text(const PortFinding& finding, const RigProfile& profile
                               printable(columns_text(profile.gyro.text)));
   if (format.is_known())
     return text + fmt::format("      taken: {}\n", printable(columns_text(format.columns)));
-  return text + fmt::format("      not taken: {}\n      fill in the profile:\n{}",
-                            sensors::open_question(format), profile_lines(finding));
+  return text +
+         fmt::format("      not taken: {}\n      fill in the profile:\n{}", sensors::open_question(format),
+                     profile_lines(finding)) +
+         "      or, on a terminal: ports --save NAME asks for one turn by hand\n";
 }
 
 /// What a port sends that cannot be recorded, and what to do about it.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "foreign_bytes.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "foreign_bytes.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 
 #include "text_fields.h"
 #include "thermorig/core/git_lfs.h"
+#include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/text_format.h"
 #include "thermorig/sensors/wire/reassembly.h"
 

@@ -35,6 +35,7 @@ struct KnownSketch {
   double scale_dps;
   std::string_view what;
   int first_number = -1;  // from which the rates are, without a name; -1: they have names
+  double gravity = 0.0;   // what its accelerations measure; 0: they are not on the line
 };
 
 // Source: the libraries' examples, devices as protocols/text_gyro.md lists them.
@@ -46,7 +47,7 @@ constexpr std::array known_sketches{
     KnownSketch{"GYRO      X:", 1.0, "MPU6050_light prints deg/s"},
     KnownSketch{"Gyro:\tx=", dps_of_rad_s, "Adafruit_BNO055 prints rad/s"},
     KnownSketch{"Gyro - x:", dps_of_rad_s, "Adafruit_BNO08x prints rad/s"},
-    KnownSketch{"AccelX:", dps_of_rad_s, "Adafruit's plotter examples print rad/s"},
+    KnownSketch{"AccelX:", dps_of_rad_s, "Adafruit's plotter examples print rad/s", -1, 9.81},
     KnownSketch{"aX,aY,aZ,gX,gY,gZ", 1.0, "an OpenLog Artemis writes deg/s"},
 };
 constexpr std::string_view angles_of_bno055 = "CALIBRATION: Sys=";  // X, Y, Z before it are Euler angles
@@ -127,16 +128,30 @@ Rates named_rates(const TextTable& table) {
   return count_of(rates) == axes || axes_named ? rates : Rates{-1, -1, -1};
 }
 
-/// Three columns in a row whose length is that of gravity, in any usual unit, and hardly changes.
+/// Three columns whose length is that of gravity in a unit, and hardly changes.
+bool measure_gravity(const TextTable& table, std::span<const std::size_t> three, double unit) {
+  return std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
+    const double norm = std::hypot(row[three[0]], row[three[1]], row[three[2]]);
+    return norm > 0.8 * unit && norm < 1.2 * unit;
+  });
+}
+
+/// So in any usual unit.
 bool is_gravity(const TextTable& table, std::span<const std::size_t> three) {
-  if (std::any_of(three.begin(), three.end(), [&](std::size_t column) { return is_constant(table, column); }))
-    return false;
-  std::vector<double> norms;
-  for (const auto& row : table.rows) norms.push_back(std::hypot(row[three[0]], row[three[1]], row[three[2]]));
-  const auto [least, most] = std::minmax_element(norms.begin(), norms.end());
   constexpr std::array units{1.0, 9.81, 1000.0, 2048.0, 4096.0, 8192.0, 16384.0};
-  return std::any_of(units.begin(), units.end(),
-                     [&](double unit) { return *least > 0.8 * unit && *most < 1.2 * unit; });
+  return std::none_of(three.begin(), three.end(),
+                      [&](std::size_t column) { return is_constant(table, column); }) &&
+         std::any_of(units.begin(), units.end(),
+                     [&](double unit) { return measure_gravity(table, three, unit); });
+}
+
+/// Another sketch may use the same words for other units: its accelerations tell.
+bool fits(const KnownSketch& sketch, const TextTable& table) {
+  if (sketch.gravity == 0.0) return true;
+  std::vector<std::size_t> accelerations;
+  for (const std::size_t column : table.number_columns())
+    if (table.columns[column].meaning.quantity == Quantity::acceleration) accelerations.push_back(column);
+  return accelerations.size() == axes && measure_gravity(table, accelerations, sketch.gravity);
 }
 
 /// Finds the lines of rates on a page, and says why.
@@ -198,9 +213,10 @@ class Recogniser {
   }
 
   const KnownSketch* sketch_of_names() const {
-    const auto found = std::find_if(
-        known_sketches.begin(), known_sketches.end(),
-        [&](const KnownSketch& sketch) { return sketch.first_number < 0 && is_on_page(sketch.mark); });
+    const auto found =
+        std::find_if(known_sketches.begin(), known_sketches.end(), [&](const KnownSketch& sketch) {
+          return sketch.first_number < 0 && is_on_page(sketch.mark) && fits(sketch, *table_);
+        });
     return found == known_sketches.end() ? nullptr : &*found;
   }
 
@@ -401,7 +417,7 @@ class Recogniser {
     std::string others;
     for (const TextTable& table : page_.tables)
       if (&table != table_ && is_enough(table) && count_of(named_rates(table)) > 0)
-        others += fmt::format("{}\"{}\"", others.empty() ? "" : ", ", table.prefix);
+        others += fmt::format("{}\"{}\"", others.empty() ? "" : ", ", longest_prefix(table));
     say("a line does not hold every axis: the others are not read" +
         (others.empty() ? "" : "; to read another one, its prefix is " + others));
   }
@@ -409,7 +425,7 @@ class Recogniser {
   TextFormat finish() {
     remark_on_rest();
     remark_on_resolution();
-    if (reads_other_lines()) lengthen_prefix();
+    if (reads_other_lines()) format_.columns.prefix = longest_prefix(*table_);
     if (table_->sample_line.size() > text_line_bytes_max) {
       format_.refusal = fmt::format("its lines have {} bytes, the limit is {}", table_->sample_line.size(),
                                     text_line_bytes_max);
@@ -432,14 +448,13 @@ class Recogniser {
     });
   }
 
-  /// The first column's name becomes the prefix: "gx:" of lines that also begin with "ax:".
-  void lengthen_prefix() {
-    const std::string_view line = table_->sample_line;
+  /// The first column's name is taken in: "gx:" of lines that also begin with "ax:".
+  static std::string longest_prefix(const TextTable& table) {
+    const std::string_view line = table.sample_line;
     const std::size_t at = std::min(line.find_first_not_of(" \t"), line.size());
     const auto first = Fields(line).next();
-    if (format_.columns.prefix.empty() && first && !first->name.empty())
-      format_.columns.prefix =
-          line.substr(at, static_cast<std::size_t>(first->value.data() - line.data()) - at);
+    if (!table.prefix.empty() || !first || first->name.empty()) return table.prefix;
+    return std::string(line.substr(at, static_cast<std::size_t>(first->value.data() - line.data()) - at));
   }
 
   /// Headings, not words on the lines, tell what bare lines hold.

@@ -66,8 +66,8 @@ Parts parts_of(std::string_view line) {
   return {leading, rest.substr(leading.size()), rest};
 }
 
-/// What the words between the numbers say.
-std::vector<TextColumn> columns_of(const Parts& parts) {
+/// What the words between the numbers say; `behind_last` gets those behind them.
+std::vector<TextColumn> columns_of(const Parts& parts, std::string_view& behind_last) {
   std::vector<TextColumn> columns;
   std::vector<std::size_t> numbers;
   WordReader reader;
@@ -87,21 +87,26 @@ std::vector<TextColumn> columns_of(const Parts& parts) {
     column.name = bare_name(words_until(digits.data()));
     behind = digits.data() + digits.size();
   }
-  reader.words(words_until(parts.words.data() + parts.words.size()));
+  behind_last = words_until(parts.words.data() + parts.words.size());
+  reader.words(behind_last);
   for (std::size_t i = 0; i < numbers.size(); ++i) columns[numbers[i]].meaning = reader.meanings()[i];
   return columns;
 }
 
-/// The words of a line as far as they tell its kind: without those that hold digits, such as a clock.
-std::string words_of(const std::vector<TextColumn>& columns) {
+/// The words of a line as far as they tell its kind: without those that hold digits, such as a clock, and
+/// without a check sum.
+std::string words_of(const std::vector<TextColumn>& columns, std::string_view behind_last) {
   std::string words;
-  for (const TextColumn& column : columns) {
-    Fields fields(column.name);
+  const auto add = [&](std::string_view text) {
+    Fields fields(text);
     while (const auto field = fields.next())
-      if (std::none_of(field->text.begin(), field->text.end(), is_digit))
+      if (std::none_of(field->text.begin(), field->text.end(),
+                       [](char c) { return is_digit(c) || c == '*'; }))
         words += std::string(field->text) + " ";
     words += "|";
-  }
+  };
+  for (const TextColumn& column : columns) add(column.name);
+  add(behind_last);
   return words;
 }
 
@@ -195,9 +200,10 @@ class PageReader {
 
   void add_row(std::string_view line, const Parts& parts) {
     const std::vector<TextField> fields = split_fields(parts.columns);
-    std::vector<TextColumn> columns = columns_of(parts);
+    std::string_view behind_last;
+    std::vector<TextColumn> columns = columns_of(parts, behind_last);
     const auto [place, is_new] = kinds_.try_emplace(
-        {std::string(parts.prefix), words_of(columns), fields.size()}, page_.tables.size());
+        {std::string(parts.prefix), words_of(columns, behind_last), fields.size()}, page_.tables.size());
     if (is_new)
       page_.tables.push_back({.prefix = std::string(parts.prefix),
                               .sample_line = std::string(line),
@@ -226,6 +232,13 @@ std::vector<std::size_t> TextTable::number_columns() const {
   for (std::size_t column = 0; column < columns.size(); ++column)
     if (columns[column].is_number) numbers.push_back(column);
   return numbers;
+}
+
+bool is_readable(std::span<const std::uint8_t> bytes) {
+  const auto characters = std::count_if(bytes.begin(), bytes.end(), [](std::uint8_t byte) {
+    return byte == '\r' || byte == '\n' || byte == '\t' || (byte >= ' ' && byte < 0x7F);
+  });
+  return !bytes.empty() && static_cast<std::size_t>(characters) > bytes.size() - bytes.size() / 16;
 }
 
 std::optional<CountedLine> first_text_line(std::span<const std::uint8_t> bytes) {

@@ -158,20 +158,27 @@ bool take_degrees(Front& front) {
                      [&](std::string_view sign) { return front.take(sign); });
 }
 
+void skip_gap(Front& front) {
+  while (front.take_any({" ", "_"})) {
+  }
+}
+
+/// "/s", " per second", "_s", "ps".
 bool take_per_second(Front& front) {
-  while (front.take(" ") || front.take("_")) {
-  }
-  if (!front.take_any({"/", "per", "p", ".", "s^-1"})) return false;
-  while (front.take(" ") || front.take("_")) {
-  }
+  const bool is_joined = Front(front).take("_");
+  skip_gap(front);
+  if (!front.take_any({"/", "per", "p", ".", "s^-1"}) && !is_joined) return false;
+  skip_gap(front);
   return front.take_any({"seconds", "second", "secs", "sec", "s"}) && front.at_word_end();
 }
 
-/// "rad/s", "milliradians per second", "deg/sec"; also "rad" or "deg" alone, which mean so of a rate.
+/// "rad/s", "milliradians per second", "deg/sec"; also "rads" and "degs" of a rate. "rad" and "deg" alone may
+/// be those of an angle: they say nothing.
 Unit rate_unit(std::string_view text) {
   Front front(text);
   if (front.take("mdps") && front.at_word_end()) return {front.at(), 1e-3, true};
-  if (front.take("dps") && front.at_word_end()) return {front.at(), 1.0, true};
+  if (front.take_any({"dps", "o/s"}) && front.at_word_end())
+    return {front.at(), 1.0, true};  // o: a degree sign
   front = Front(text);
   double scale_dps = front.take_any({"milli", "m"}) ? 1e-3 : 1.0;
   if (front.take_any({"radians", "radian", "rads", "rad"}))
@@ -180,8 +187,9 @@ Unit rate_unit(std::string_view text) {
     return {};
   Front per = front;
   if (take_per_second(per)) return {per.at(), scale_dps, true};
-  const bool is_celsius = Front(front).take("c");
-  return front.at_word_end() && !is_celsius ? Unit{front.at(), scale_dps, false} : Unit{};
+  if (!front.at_word_end() || Front(text.substr(front.at())).take("c")) return {};
+  const bool is_short_for_rate = small(text[front.at() - 1]) == 's' && front.at() <= 5;  // "rads", "mdegs"
+  return {front.at(), is_short_for_rate ? scale_dps : 0.0, false};
 }
 
 std::size_t acceleration_unit_length(std::string_view text) {

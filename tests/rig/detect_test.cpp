@@ -80,7 +80,11 @@ TEST(Classify, DoesNotGuess) {
   for (int i = 0; i < 20000; ++i)
     noise.push_back(static_cast<std::uint8_t>((random = random * 1664525U + 1013904223U) >> 24U));
   EXPECT_FALSE(classify(noise).role);
-  EXPECT_FALSE(classify(as_bytes("hello\nworld\nnothing here 1 2\nand more\n")).role);
+  const Evidence text = classify(as_bytes("hello\nworld\nnothing here 1 2\nand more\n"));
+  EXPECT_FALSE(text.role);
+  EXPECT_THAT(text.found.text, HasSubstr("\"hello\""));
+  EXPECT_THAT(text.found.advice, HasSubstr("its baud rate is right"));
+  EXPECT_EQ(classify(noise).found.advice, "");
   auto wrong_baud = bytes_of(Device::camera);
   for (std::uint8_t& byte : wrong_baud) byte = static_cast<std::uint8_t>(byte & 0xB6U);
   EXPECT_FALSE(classify(wrong_baud).role);

@@ -100,6 +100,18 @@ TEST_F(Detection, MeasuresTheRateOfABoardThatBootsFirst) {
   EXPECT_NEAR(findings[0].rate_hz, 50.0, 2.0);
 }
 
+TEST_F(Detection, WaitsForASketchThatPrintsTwiceASecond) {
+  const auto slow = [tick = 0]() mutable {
+    std::string line;
+    if (++tick % 25 == 0)
+      line = fmt::format("temp: 25\r\nRotation X: 0.{}, Y: 0.02, Z: 0.03 rad/s\r\n\r\n", tick % 7);
+    return std::vector<std::uint8_t>(line.begin(), line.end());
+  };
+  const auto findings = identify({ports_.add(slow)});
+  EXPECT_EQ(findings.at(0).role, Device::gyro) << findings[0].how;
+  EXPECT_NEAR(findings[0].rate_hz, 2.0, 0.3);
+}
+
 /// Ten bare columns, of which the seventh is the rate about the vertical axis, in counts of 1/65.5 deg/s. It
 /// lies still for two seconds and turns by 100 deg in the next two.
 std::vector<std::uint8_t> turned_line(double seconds) {

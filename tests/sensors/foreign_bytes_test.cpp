@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Streams that are sound and that no protocol reads: each is named, with what to do about it.
-#include "sensors/foreign_bytes.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -344,6 +344,17 @@ const std::vector<Layout> layouts{
     {"a header that names axes in another order",
      [](const Values& v) { return fmt::format("{},{:.3f},{:.3f},{:.3f}", v.ms, v.g(2), v.g(1), v.g(0)); },
      1.0, "seconds_elapsed,z,y,x\r\n", true, true},
+    {"Adafruit's words with another sketch's units",
+     [](const Values& v) {
+       return fmt::format("AccelX:{:.2f},AccelY:{:.2f},AccelZ:{:.2f}, GyroX:{:.2f},GyroY:{:.2f},GyroZ:{:.2f}",
+                          v.a(0), v.a(1), v.a(2), v.g(0), v.g(1), v.g(2));
+     },
+     1.0, "", false, true},
+    {"degrees that may be an angle",
+     [](const Values& v) {
+       return fmt::format("gyro_x_deg:{:.2f} gyro_y_deg:{:.2f} gyro_z_deg:{:.2f}", v.g(0), v.g(1), v.g(2));
+     },
+     1.0, "", false, true},
     {"bare columns of three",
      [](const Values& v) { return fmt::format("{:.2f} {:.2f} {:.2f}", v.g(0), v.g(1), v.g(2)); }, 1.0, "",
      true, true},
@@ -422,6 +433,9 @@ TEST(TextLayouts, WhoseKindsOfLinesBeginAlikeAreRefused) {
   for (int i = 10; i < 30; ++i)
     axes += fmt::format("Gyroscope:\n X: 0.{0} Y: 0.2 Z: 0.3\nAccelerometer:\n X: 0.01 Y: 0.{0} Z: 1.0\n", i);
   EXPECT_THAT(guess(axes)->refusal, HasSubstr("begin alike"));
+  std::string units;
+  for (int i = 10; i < 30; ++i) units += fmt::format("0.{0} 0.2 0.3 o/s\n0.01 0.{0} 1.0 G\n", i);
+  EXPECT_THAT(guess(units)->refusal, HasSubstr("begin alike"));
   std::string log;
   for (int i = 10; i < 30; ++i)
     log += fmt::format(

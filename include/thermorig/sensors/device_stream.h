@@ -42,6 +42,10 @@ struct Recognised {
   bool is_usable() const { return role && evidence.advice.empty(); }
 };
 
+/// Streams that are sound, and that no protocol of the tables reads: what they are, and what to do about it.
+/// Nothing if the bytes are none of them.
+std::optional<Evidence> recognise_foreign(std::span<const std::uint8_t> bytes);
+
 /// All that recognise the bytes, which came in `heard_s` seconds (0: not known): this is the one table that
 /// ports, dumps and silent devices are judged by. What no protocol reads comes first, and excludes text.
 std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double heard_s);

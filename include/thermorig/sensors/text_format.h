@@ -58,6 +58,9 @@ struct CountedLine {
   std::size_t fields = 0;
 };
 
+/// Whether nearly all bytes are characters, which those of another protocol or at a wrong baud rate are not.
+bool is_readable(std::span<const std::uint8_t> bytes);
+
 /// The first whole line of printable text that is not blank; none if there is no such line.
 std::optional<CountedLine> first_text_line(std::span<const std::uint8_t> bytes);
 

@@ -17,7 +17,8 @@ namespace thermorig::rig {
 
 namespace {
 
-constexpr double share_needed = 0.3;  // a short look begins and ends in the middle of a message
+constexpr double share_needed = 0.3;   // a short look begins and ends in the middle of a message
+constexpr double share_of_text = 0.5;  // of the time of a search: sketches print a sample or two a second
 constexpr auto listening_tick = std::chrono::milliseconds(20);
 constexpr auto greeting_period = std::chrono::milliseconds(200);
 
@@ -53,7 +54,9 @@ class Listener {
       loop_.write(*port_, step.greeting);
       last_greeting_ = now;
     }
-    if (to_s(now - opened_) >= step.at.share * listen_s_) judge(now);
+    const double share =
+        sensors::is_readable(bytes_) ? std::max(step.at.share, share_of_text) : step.at.share;
+    if (to_s(now - opened_) >= share * listen_s_) judge(now);
   }
 
  private:
@@ -88,7 +91,7 @@ class Listener {
     loop_.close(*port_);
     port_.reset();
     const Evidence evidence = classify(bytes_, to_s(now - opened_));
-    const bool is_named = evidence.role || !evidence.found.advice.empty();
+    const bool is_named = evidence.explained_share > 0.0;
     if (!bytes_.empty() && (is_named || finding_.advice.empty())) {
       finding_.how = evidence.found.text;
       finding_.advice = evidence.found.advice;
@@ -159,12 +162,21 @@ std::string listed(const std::vector<const PortFinding*>& findings) {
   return text;
 }
 
+/// What nothing recognises. Readable bytes came at the right baud rate.
+sensors::Evidence unknown_bytes(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return {.text = "silent"};
+  const auto line = sensors::first_text_line(bytes);
+  if (!line || !sensors::is_readable(bytes))
+    return {.text = fmt::format("{} bytes that no known device sends", bytes.size())};
+  return {.text = fmt::format("text without samples, such as \"{}\"", line->text.substr(0, 60)),
+          .advice = "its baud rate is right, as it can be read: it needs another sketch or setting"};
+}
+
 }  // namespace
 
 Evidence classify(std::span<const std::uint8_t> bytes, double heard_s) {
   Evidence best;
-  best.found.text =
-      bytes.empty() ? "silent" : fmt::format("{} bytes that no known device sends", bytes.size());
+  best.found = unknown_bytes(bytes);
   for (sensors::Recognised& found : sensors::recognise(bytes, heard_s)) {
     const double share = static_cast<double>(found.evidence.bytes) / static_cast<double>(bytes.size());
     if (share < share_needed || share <= best.explained_share) continue;
