@@ -61,7 +61,7 @@ Advice advice_on_text(Bytes head) {
     return {reason, "--device gyro " + options_text(format->columns) + scale_options(*format) + " (" +
                         assumptions_text(*format) + ")"};
   }
-  if (const auto line = sensors::first_text_line(head))
+  if (const auto line = sensors::first_text_line(head); line && sensors::is_readable(head))
     return {shown(line->text, line->fields),
             "--device gyro --gyro-protocol text, and how to read it: --prefix, --columns, --scale, "
             "--time-column"};
