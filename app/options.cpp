@@ -221,9 +221,10 @@ void add_reprocess(CLI::App& root, Words& words) {
 }
 
 void add_text_gyro(CLI::App& command, DecodeOptions& decode) {
-  command.add_option("--gyro-protocol", decode.gyro_protocol, "What the gyro speaks")
-      ->check(one_of(sensors::gyro_protocol_names()))
-      ->capture_default_str();
+  command
+      .add_option("--gyro-protocol", decode.gyro_protocol,
+                  "What the gyro speaks (default: what is recognised)")
+      ->check(one_of(sensors::gyro_protocol_names()));
   command
       .add_option("--gyro-setting", decode.gyro_settings,
                   "What the profile says of the protocol, e.g. raw_scale_dps=0.0573")

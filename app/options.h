@@ -169,7 +169,7 @@ struct DecodeOptions {
   Device device = Device::camera;
   std::string file;  // "-": standard input
   std::string camera_protocol = CameraProfile().protocol;
-  std::string gyro_protocol = GyroProfile().protocol;
+  std::string gyro_protocol;               // empty: what is recognised
   std::vector<std::string> gyro_settings;  // NAME=NUMBER
   std::vector<int> columns{0, 1, 2};
   std::string prefix;

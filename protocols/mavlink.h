@@ -16,6 +16,7 @@ inline constexpr std::size_t header_v1_bytes = 6;
 inline constexpr std::size_t checksum_bytes = 2;
 inline constexpr std::size_t signature_bytes = 13;
 inline constexpr std::size_t payload_max_bytes = 255;
+inline constexpr std::size_t log_time_bytes = 8;  // before each packet of a ground station's log
 inline constexpr std::size_t length_offset = 1;  // of both headers
 inline constexpr std::size_t flags_offset = 2;   // version 2: those that a reader must understand
 inline constexpr std::uint8_t flag_signed = 0x01;
@@ -38,6 +39,7 @@ inline constexpr Message command_ack{77, 143, 3, 10};
 inline constexpr Message highres_imu{105, 93, 62, 63};
 
 // Offsets in the payloads.
+inline constexpr std::size_t heartbeat_autopilot = 5;
 inline constexpr std::size_t scaled_imu_time_ms = 0, scaled_imu_gyro = 10, scaled_imu_temperature = 22;
 inline constexpr std::size_t raw_imu_time_us = 0, raw_imu_gyro = 14, raw_imu_id = 26,
                              raw_imu_temperature = 27;
@@ -53,6 +55,8 @@ inline constexpr std::size_t command_ack_command = 0, command_ack_result = 2;
 inline constexpr std::uint16_t set_message_interval = 511;  // parameters: message, interval in us
 inline constexpr std::uint8_t raw_sensors_stream = 1;
 inline constexpr std::uint8_t result_accepted = 0, result_unsupported = 3;
+
+inline constexpr std::uint8_t autopilot_ardupilot = 3;  // MAV_AUTOPILOT: its RAW_IMU counts mrad/s
 
 // Who we are: a ground station.
 inline constexpr std::uint8_t host_system = 255, host_component = 190;

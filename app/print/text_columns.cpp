@@ -47,10 +47,19 @@ std::string assumptions_text(const sensors::TextFormat& format) {
 }
 
 nlohmann::json format_json(const sensors::TextFormat& format) {
-  return {{"sample_line", format.sample_line},         {"fields", format.fields},
-          {"prefix", format.columns.prefix},           {"columns", format.columns.rate},
-          {"scale_dps", format.columns.scale_dps},     {"time_column", format.columns.time},
-          {"time_unit_s", format.columns.time_unit_s}, {"assumptions", format.assumptions}};
+  return {{"sample_line", format.sample_line},
+          {"fields", format.fields},
+          {"prefix", format.columns.prefix},
+          {"columns", format.columns.rate},
+          {"scale_dps", format.columns.scale_dps},
+          {"time_column", format.columns.time},
+          {"time_unit_s", format.columns.time_unit_s},
+          {"rates_known", format.rates_known},
+          {"scale_known", format.scale_known},
+          {"refusal", format.refusal},
+          {"question", sensors::open_question(format)},
+          {"assumptions", format.assumptions},
+          {"remarks", format.remarks}};
 }
 
 }  // namespace thermorig::app

@@ -48,7 +48,7 @@ nlohmann::json json_of(const PortFinding& finding) {
                         {"usb_path", finding.info.usb_path}, {"usb_id", finding.info.usb_id},
                         {"serial", finding.info.serial},     {"baud", finding.baud},
                         {"rate_hz", finding.rate_hz},        {"how", finding.how},
-                        {"problem", finding.problem}};
+                        {"problem", finding.problem},        {"advice", finding.advice}};
   object["role"] = finding.role ? nlohmann::json(name_of(*finding.role)) : nlohmann::json();
   if (finding.role == Device::gyro) object["gyro_protocol"] = finding.protocol;
   if (finding.text_format) object["text_format"] = format_json(*finding.text_format);
@@ -68,18 +68,51 @@ std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
-/// Text does not say what its columns are: how they were read is shown, to be checked by a person.
-std::string text_gyro_text(const PortFinding& finding, const RigProfile& profile) {
-  if (!finding.text_format) return "";
+/// The lines of [gyro] and [gyro.text] that a person has to fill in, with what is proposed.
+std::string profile_lines(const PortFinding& finding) {
   const sensors::TextFormat& format = *finding.text_format;
-  std::string text = fmt::format("\nnote  the gyro on {} prints lines such as: {}\n",
+  const TextColumns& columns = format.columns;
+  std::string text = "        [gyro]\n        protocol = \"text\"\n        [gyro.text]\n";
+  text += fmt::format("        prefix = {}\n", nlohmann::json(printable(columns.prefix)).dump());
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    text += fmt::format("        {}_column = {}{}\n", "xyz"[axis], columns.rate[axis],
+                        format.rates_known ? "" : "  # a guess");
+  const char* const scales =
+      format.is_counts ? "1/131 = 0.00763359, 1/65.5 = 0.0152672, 1/32.8 = 0.0304878, 1/16.4 = 0.0609756"
+                       : "1 for deg/s, 57.2958 for rad/s";
+  text += format.scale_known ? fmt::format("        scale_dps = {:.6g}\n", columns.scale_dps)
+                             : fmt::format("        scale_dps = ?  # {}\n", scales);
+  if (columns.time >= 0)
+    text += fmt::format("        time_column = {}\n        time_unit_s = {:g}\n", columns.time,
+                        columns.time_unit_s);
+  return text;
+}
+
+/// How the lines of a text gyro are read and why; what they do not say, a person has to.
+std::string text_gyro_text(const PortFinding& finding, const RigProfile& profile) {
+  if (!finding.text_format || !finding.role) return "";
+  const sensors::TextFormat& format = *finding.text_format;
+  std::string text = fmt::format("\nnote  the gyro on {} prints lines such as:\n        {}\n",
                                  printable(finding.info.path), printable(format.sample_line));
-  text += fmt::format("      taken: {}\n", printable(columns_text(format.columns)));
   text += fmt::format("      why: {}\n", printable(assumptions_text(format)));
-  if (columns_text(profile.gyro.text) != columns_text(format.columns))
-    text += fmt::format("      the profile says otherwise, and is kept: {}\n",
-                        printable(columns_text(profile.gyro.text)));
-  return text + "      check scale and columns: [gyro.text] in the profile\n";
+  for (const std::string& remark : format.remarks) text += fmt::format("      {}\n", printable(remark));
+  const bool is_other = columns_text(profile.gyro.text) != columns_text(format.columns);
+  if (profile.gyro.protocol == finding.protocol && is_other)
+    return text + fmt::format("      the profile says otherwise, and is kept: {}\n",
+                              printable(columns_text(profile.gyro.text)));
+  if (format.is_known())
+    return text + fmt::format("      taken: {}\n", printable(columns_text(format.columns)));
+  return text +
+         fmt::format("      not taken: {}\n      fill in the profile:\n{}", sensors::open_question(format),
+                     profile_lines(finding)) +
+         "      or, on a terminal: ports --save NAME asks for one turn by hand\n";
+}
+
+/// What a port sends that cannot be recorded, and what to do about it.
+std::string advice_text(const PortFinding& finding) {
+  if (finding.advice.empty()) return "";
+  return fmt::format("\nnote  {} sends {}\n  try: {}\n", printable(finding.info.path), printable(finding.how),
+                     printable(finding.advice));
 }
 
 /// Which roles are missing, and what a person can do about it, by what was seen of the ports.
@@ -128,7 +161,8 @@ std::string text_of(const FoundPorts& found) {
   std::string text = table_text(found.findings);
   for (const std::string& sentence : found.ambiguous)
     text += fmt::format("\nnote  {}\n", printable(sentence));
-  for (const PortFinding& finding : found.findings) text += text_gyro_text(finding, found.profile);
+  for (const PortFinding& finding : found.findings)
+    text += text_gyro_text(finding, found.profile) + advice_text(finding);
   text += missing_text(found);
   if (!found.saved.name.empty()) text += fmt::format("\nsaved {}\n", printable(found.saved.file.string()));
   if (!found.is_whole_rig()) return text;  // there is nothing yet to record with

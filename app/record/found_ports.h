@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -24,7 +25,12 @@ struct FoundPorts {
   RigProfile profile;                      // with the ports that were found
   SavedProfile saved;
 
-  bool is_whole_rig() const { return missing.empty() && ambiguous.empty(); }
+  bool is_whole_rig() const { return missing.empty() && ambiguous.empty() && has_all_ports(); }
+  /// False if a gyro was left out, of which nothing says how it is read.
+  bool has_all_ports() const {
+    return std::all_of(all_devices.begin(), all_devices.end(),
+                       [&](Device device) { return !profile.link(device).port.empty(); });
+  }
 };
 
 /// `profile` keeps everything but its ports: people edit such files.

@@ -32,14 +32,6 @@ std::size_t frames_in(Bytes bytes, const DecodeOptions& options) {
   return frames.size();
 }
 
-/// "the frames of a GY-MCU90640 board", and those of every other camera.
-std::string frames_of_all_cameras() {
-  std::string text;
-  for (const sensors::CameraProtocol& camera : sensors::camera_protocols())
-    text += fmt::format("{}the {}", text.empty() ? "" : " or ", camera.sends);
-  return text;
-}
-
 bool is_text_gyro(const DecodeOptions& options) {
   return options.device == Device::gyro && sensors::gyro_protocol(options.gyro_protocol).has_columns;
 }
@@ -50,21 +42,34 @@ std::string shown(const std::string& line, std::size_t fields) {
   return fmt::format("a line reads \"{}\" ({} column{})", line, fields, fields == 1 ? "" : "s");
 }
 
-/// A line of the dump and the options that may read it; empty if there is no text in it.
-std::string advice_on_text(Bytes head) {
-  if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start))
-    return shown(format->sample_line, format->fields + (format->columns.prefix.empty() ? 0 : 1)) +
-           ": --device gyro " + options_text(format->columns) + " (" + assumptions_text(*format) + ")";
-  const auto line = sensors::first_text_line(head);
-  if (line && line->fields >= sensors::image_line_fields)
-    return shown(line->text, line->fields) +
-           ": an image as text, which no option reads; a camera has to send " + frames_of_all_cameras() +
-           ", in bytes";
-  if (line)
-    return shown(line->text, line->fields) +
-           ": --device gyro --gyro-protocol text, and how to read it: --prefix, --columns, --scale, "
-           "--time-column";
-  return "";
+/// The unit is asked for where nothing says it.
+std::string scale_options(const sensors::TextFormat& format) {
+  if (format.scale_known) return "";
+  return format.is_counts ? "; --scale is 1/131, 1/65.5, 1/32.8 or 1/16.4 by the range"
+                          : "; --scale is 1 for deg/s, 57.2958 for rad/s";
+}
+
+/// What lines of text say, and the options that read them; empty if there is no text.
+Advice advice_on_text(Bytes head) {
+  if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start)) {
+    std::string reason =
+        shown(format->sample_line, format->fields + (format->columns.prefix.empty() ? 0 : 1));
+    if (!format->refusal.empty()) return {reason + ": " + format->refusal, format->advice};
+    for (const std::string& more : format->remarks) reason += ": " + more;
+    const std::string question = sensors::open_question(*format);
+    if (!question.empty()) reason += ": " + question;
+    return {reason, "--device gyro " + options_text(format->columns) + scale_options(*format) + " (" +
+                        assumptions_text(*format) + ")"};
+  }
+  if (const auto line = sensors::first_text_line(head); line && sensors::is_readable(head))
+    return {shown(line->text, line->fields),
+            "--device gyro --gyro-protocol text, and how to read it: --prefix, --columns, --scale, "
+            "--time-column"};
+  return {};
+}
+
+std::string in_one(const Advice& advice) {
+  return advice.reason + ": " + advice.what_to_try;
 }
 
 /// Another way to form the check sum that gives frames; empty if there is none.
@@ -83,32 +88,32 @@ std::string advice_on_camera(const DecodeOptions& options, Bytes head) {
   return checksum.empty() ? "another cable or baud rate: bytes are lost or changed in the frames" : checksum;
 }
 
-/// The option that names the protocol, of a device that may have others.
-std::string protocol_option(const sensors::Recognised& found) {
-  if (found.role == Device::servo) return "";
-  return fmt::format("--{}-protocol {}", name_of(found.role), found.protocol);
-}
-
-bool is_usual(const sensors::Recognised& found) {
-  return found.protocol == sensors::device_stream(found.role, RigProfile()).protocol;
+/// The options that read such bytes.
+std::string options_for(const sensors::Recognised& found) {
+  std::string text = fmt::format("--device {}", name_of(*found.role));
+  if (found.protocol != sensors::device_stream(*found.role, RigProfile()).protocol)
+    text += fmt::format(" --{}-protocol {}", name_of(*found.role), found.protocol);
+  for (const auto& [name, value] : found.evidence.settings)
+    text += fmt::format(" --gyro-setting {}={:.6g}", name, value);
+  return text;
 }
 
 /// The protocol was asked for already: something else is wrong.
 bool is_chosen(const DecodeOptions& options, const sensors::Recognised& found) {
-  return found.protocol == (found.role == Device::camera ? options.camera_protocol : options.gyro_protocol);
+  return found.role == options.device && found.evidence.settings.empty() &&
+         found.protocol == (found.role == Device::camera ? options.camera_protocol : options.gyro_protocol);
 }
 
-/// Whose bytes they look like, if not the named device's. Text is told apart by its lines.
-std::string advice_on_device(const DecodeOptions& options, Bytes head) {
+/// What the bytes are, where they cannot be read; or whose they look like, if not the named device's. Text is
+/// told apart by its lines.
+Advice advice_on_device(const DecodeOptions& options, Bytes head) {
   for (const sensors::Recognised& found : sensors::recognise(head, 0.0)) {
+    if (!found.evidence.advice.empty()) return {found.evidence.text, found.evidence.advice};
     const bool convinces = found.role != Device::gyro || found.evidence.messages >= convincing_packets;
-    if (found.evidence.text_format || !convinces) continue;
-    std::string protocol = protocol_option(found);
-    if (options.device == found.role) return is_chosen(options, found) ? "" : protocol;
-    const std::string device = fmt::format("--device {}", name_of(found.role));
-    return is_usual(found) ? device : device + " " + protocol;
+    if (found.evidence.text_format || !convinces || is_chosen(options, found)) continue;
+    return {found.evidence.text, options_for(found)};
   }
-  return "";
+  return {};
 }
 
 bool reads_clock_as_rate(const sensors::TextFormat& format, const DecodeOptions& options) {
@@ -148,30 +153,61 @@ bool is_mostly_bad(const wire::Counters& counters) {
          counters.messages + counters.replies;
 }
 
-std::string advice_on_nothing(const DecodeOptions& options, std::span<const std::uint8_t> head,
-                              const wire::Counters& counters) {
-  std::string device = advice_on_device(options, head);
-  if (!device.empty()) return device;
-  if (options.device == Device::camera && counters.bad_checksum > 0) return advice_on_camera(options, head);
-  if (counters.bytes_received > 0 && counters.bytes_pending == counters.bytes_received)
-    return "a longer dump: this one ends within its first message";
-  std::string text = advice_on_text(head);
-  if (!text.empty()) return text;
-  return "another baud rate when the dump is taken: wrong ones give bytes without sense";
+Recognition recognise_gyro(std::span<const std::uint8_t> head) {
+  Recognition best{.gyro_protocol = GyroProfile().protocol, .settings = {}, .text_format = {}};
+  std::uint64_t most_bytes = 0;
+  for (sensors::Recognised& found : sensors::recognise(head, 0.0)) {
+    const bool is_read = found.is_usable() && found.role == Device::gyro && found.evidence.messages > 0;
+    if (!is_read || found.evidence.bytes <= most_bytes) continue;
+    auto format = found.evidence.text_format;
+    if (format) format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
+    if (found.evidence.text_format && !(format && format->is_known())) continue;
+    best = {std::string(found.protocol), std::move(found.evidence.settings), std::move(format)};
+    most_bytes = found.evidence.bytes;
+  }
+  return best;
 }
 
-std::vector<std::string> remarks_on(const DecodeOptions& options, std::span<const std::uint8_t> head,
-                                    const wire::Counters& counters) {
+Advice advice_on_nothing(const DecodeOptions& options, std::span<const std::uint8_t> head,
+                         const wire::Counters& counters) {
+  Advice device = advice_on_device(options, head);
+  if (!device.what_to_try.empty()) return device;
+  if (options.device == Device::camera && counters.bad_checksum > 0)
+    return {"", advice_on_camera(options, head)};
+  if (counters.bytes_received > 0 && counters.bytes_pending == counters.bytes_received)
+    return {"", "a longer dump: this one ends within its first message"};
+  Advice text = advice_on_text(head);
+  if (!text.what_to_try.empty()) return text;
+  return {"nothing in them is known",
+          "another baud rate when the dump is taken, or another device: wrong rates give "
+          "bytes without sense"};
+}
+
+std::vector<std::string> remarks_on(const DecodeOptions& options, const Recognition& recognition,
+                                    std::span<const std::uint8_t> head, const wire::Counters& counters) {
   if (is_mostly_bad(counters) && options.device == Device::camera)
     return {"most frames are damaged: " + advice_on_camera(options, head)};
   if (!is_text_gyro(options))
     return is_mostly_bad(counters) ? std::vector<std::string>{"most messages are damaged"}
                                    : std::vector<std::string>{};
-  if (is_mostly_bad(counters)) return {"most lines could not be read: " + advice_on_text(head)};
-  const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
-  if (format && speaks_for_others(*format, options))
-    return {"the lines speak for other columns: " + advice_on_text(head)};
-  return {};
+  std::vector<std::string> remarks;
+  if (counters.bad_length > 0)
+    remarks.push_back(fmt::format("{} lines were left out: they are longer than the limit of {} bytes",
+                                  count_text(counters.bad_length), count_text(sensors::text_line_bytes_max)));
+  if (counters.layout_changes > 0)
+    remarks.push_back(
+        fmt::format("the lines went on with another number of columns {} time(s): from there on the "
+                    "columns may mean something else",
+                    count_text(counters.layout_changes)));
+  if (is_mostly_bad(counters))
+    remarks.push_back("most lines could not be read: " + in_one(advice_on_text(head)));
+  else if (recognition.text_format)
+    remarks.insert(remarks.end(), recognition.text_format->remarks.begin(),
+                   recognition.text_format->remarks.end());
+  else if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
+           format && speaks_for_others(*format, options))
+    remarks.push_back("the lines speak for other columns: " + in_one(advice_on_text(head)));
+  return remarks;
 }
 
 }  // namespace thermorig::app

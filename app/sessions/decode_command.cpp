@@ -20,6 +20,7 @@
 #include "decode_advice.h"
 #include "print/decoded_text.h"
 #include "print/output.h"
+#include "print/text_columns.h"
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/camera_protocol.h"
@@ -112,11 +113,12 @@ void set(const std::string& word, GyroProfile& profile) {
   profile.settings[name] = value;
 }
 
-GyroProfile gyro_profile(const DecodeOptions& options) {
+GyroProfile gyro_profile(const DecodeOptions& options, const Recognition& recognition) {
   GyroProfile profile;
   profile.protocol = options.gyro_protocol;
+  profile.settings = recognition.settings;
   for (const std::string& word : options.gyro_settings) set(word, profile);
-  profile.text = text_columns(options);
+  profile.text = recognition.text_format ? recognition.text_format->columns : text_columns(options);
   return profile;
 }
 
@@ -149,6 +151,7 @@ class MessagePrinter {
 /// What is learnt of a dump beside its messages.
 struct Learnt {
   std::vector<std::uint8_t> head;  // its first bytes
+  Recognition recognition;         // of a gyro, where no option says how it is read
   AutoZero zeros;                  // of a gyro
 };
 
@@ -166,9 +169,22 @@ std::string remark_on_zeros(const AutoZero& zeros) {
       count_text(zeros.longest()));
 }
 
+constexpr std::size_t head_bytes = 1 << 16;
+
+/// The first bytes of a dump: as many as tell what it is, and no more, for a pipe may go on slowly.
+std::vector<std::uint8_t> read_head(ByteSource& source) {
+  constexpr std::size_t telling_bytes = 1 << 13;
+  std::vector<std::uint8_t> head;
+  while (head.size() < telling_bytes) {
+    const auto block = source.next();
+    if (block.empty()) break;
+    head.insert(head.end(), block.begin(), block.end());
+  }
+  return head;
+}
+
 template <typename Message, typename Scanner>
 wire::Counters decode(Scanner scanner, ByteSource& source, MessagePrinter& printer, Learnt& learnt) {
-  constexpr std::size_t head_bytes = 1 << 16;
   std::vector<std::uint8_t>& head = learnt.head;
   std::vector<Message> messages;
   const auto take = [&] {
@@ -178,6 +194,8 @@ wire::Counters decode(Scanner scanner, ByteSource& source, MessagePrinter& print
     }
     messages.clear();
   };
+  scanner.push(head, messages);
+  take();
   for (auto block = source.next(); !block.empty(); block = source.next()) {
     if (head.size() < head_bytes) head.insert(head.end(), block.begin(), block.end());
     scanner.push(block, messages);
@@ -196,9 +214,9 @@ wire::Counters decode(const DecodeOptions& options, ByteSource& source, MessageP
       return decode<wire::CameraMessage>(sensors::camera_scanner(camera_profile(options)), source, printer,
                                          learnt);
     case Device::gyro:
-      return decode<wire::GyroMessage>(
-          sensors::gyro_scanner(gyro_profile(options), sensors::StreamStart::at_line_start), source, printer,
-          learnt);
+      return decode<wire::GyroMessage>(sensors::gyro_scanner(gyro_profile(options, learnt.recognition),
+                                                             sensors::StreamStart::at_line_start),
+                                       source, printer, learnt);
     case Device::servo:
       break;
   }
@@ -211,20 +229,59 @@ wire::Counters decode(const DecodeOptions& options, ByteSource& source, MessageP
   if (counters.bytes_received == 0)
     throw Error(ExitCode::device_missing, "there are no bytes", name,
                 "a dump that the " + device + " has sent");
-  throw Error(ExitCode::device_missing,
-              fmt::format("not one message of a {} in {} bytes", device, count_text(counters.bytes_received)),
-              name, advice_on_nothing(options, head, counters));
+  const Advice advice = advice_on_nothing(options, head, counters);
+  std::string what =
+      fmt::format("not one message of a {} in {} bytes", device, count_text(counters.bytes_received));
+  if (!advice.reason.empty()) what += ": " + advice.reason;
+  throw Error(ExitCode::device_missing, what, name, advice.what_to_try);
+}
+
+/// Options that only lines of text need.
+bool names_columns(const DecodeOptions& options) {
+  const DecodeOptions usual;
+  return options.columns != usual.columns || options.prefix != usual.prefix ||
+         options.scale_dps != usual.scale_dps || options.time_column != usual.time_column;
+}
+
+/// How a gyro is read that no option names.
+DecodeOptions completed(DecodeOptions options, ByteSource& source, Learnt& learnt) {
+  if (options.device != Device::gyro || !options.gyro_protocol.empty()) return options;
+  if (names_columns(options)) {
+    options.gyro_protocol = "text";
+    return options;
+  }
+  learnt.head = read_head(source);
+  learnt.recognition = recognise_gyro(learnt.head);
+  options.gyro_protocol = learnt.recognition.gyro_protocol;
+  return options;
+}
+
+/// What a gyro's bytes were recognised as, for a person to check.
+void print_recognition(const DecodeOptions& options, const Recognition& recognition) {
+  if (options.json) return;
+  if (const auto& format = recognition.text_format) {
+    print("line  {}\nread  {}\nwhy   {}\n\n", printable(format->sample_line),
+          printable(columns_text(format->columns)), printable(assumptions_text(*format)));
+  } else if (!recognition.settings.empty()) {
+    std::string text = options.gyro_protocol;
+    for (const auto& [name, value] : recognition.settings) text += fmt::format(", {} {:.6g}", name, value);
+    print("read  {}\n\n", text);
+  }
 }
 
 void print_summary(const DecodeOptions& options, const std::string& name, const wire::Counters& counters,
-                   const MessagePrinter& printer, const std::vector<std::string>& remarks) {
+                   const MessagePrinter& printer, const Recognition& recognition,
+                   const std::vector<std::string>& remarks) {
   if (options.json) {
-    print_json({{"event", "summary"},
-                {"device", name_of(options.device)},
-                {"file", name},
-                {"messages_decoded", printer.count()},
-                {"counters", counters_json(counters)},
-                {"remarks", remarks}});
+    nlohmann::json summary{{"event", "summary"},
+                           {"device", name_of(options.device)},
+                           {"file", name},
+                           {"messages_decoded", printer.count()},
+                           {"counters", counters_json(counters)},
+                           {"remarks", remarks}};
+    if (options.device == Device::gyro) summary["gyro_protocol"] = options.gyro_protocol;
+    if (recognition.text_format) summary["text_format"] = format_json(*recognition.text_format);
+    print_json(summary);
     return;
   }
   if (printer.left_out() > 0) print("... and {} more (--all prints them)\n", count_text(printer.left_out()));
@@ -234,15 +291,17 @@ void print_summary(const DecodeOptions& options, const std::string& name, const 
 
 }  // namespace
 
-ExitCode run(const DecodeOptions& options) {
-  ByteSource source(options.file);
-  MessagePrinter printer(options);
+ExitCode run(const DecodeOptions& given) {
+  ByteSource source(given.file);
   Learnt learnt;
+  const DecodeOptions options = completed(given, source, learnt);
+  MessagePrinter printer(options);
+  print_recognition(options, learnt.recognition);
   const wire::Counters counters = decode(options, source, printer, learnt);
-  std::vector<std::string> remarks =
-      printer.count() > 0 ? remarks_on(options, learnt.head, counters) : std::vector<std::string>();
+  std::vector<std::string> remarks;
+  if (printer.count() > 0) remarks = remarks_on(options, learnt.recognition, learnt.head, counters);
   if (learnt.zeros.is_seen()) remarks.push_back(remark_on_zeros(learnt.zeros));
-  print_summary(options, source.name(), counters, printer, remarks);
+  print_summary(options, source.name(), counters, printer, learnt.recognition, remarks);
   if (printer.count() == 0) refuse_bytes(options, source.name(), counters, learnt.head);
   return is_mostly_bad(counters) ? ExitCode::finished_lossy : ExitCode::ok;
 }

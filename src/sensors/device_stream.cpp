@@ -66,14 +66,17 @@ Commands stream_request(Device device, const RigProfile& profile, unsigned asked
 
 std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double heard_s) {
   std::vector<Recognised> found;
-  const auto add = [&](Device role, std::string_view protocol, std::optional<Evidence> evidence) {
+  const auto add = [&](std::optional<Device> role, std::string_view protocol,
+                       std::optional<Evidence> evidence) {
     if (evidence) found.push_back({role, protocol, *std::move(evidence)});
   };
+  add(std::nullopt, "", recognise_foreign(bytes));
+  const bool is_foreign = !found.empty();
   for (const CameraProtocol& camera : camera_protocols())
     add(Device::camera, camera.name, camera.recognise(bytes));
   add(Device::servo, servo_protocol().name, servo_protocol().recognise(bytes));
   for (const GyroProtocol& gyro : gyro_protocols())
-    add(Device::gyro, gyro.name, gyro.recognise(bytes, heard_s));
+    if (!gyro.has_columns || !is_foreign) add(Device::gyro, gyro.name, gyro.recognise(bytes, heard_s));
   return found;
 }
 

@@ -7,7 +7,9 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "mavlink.h"
@@ -25,9 +27,10 @@ using wire::GyroMessage;
 constexpr double dps_per_rad_s = 180.0 / std::numbers::pi;
 constexpr std::array known_messages{mavlink::heartbeat, mavlink::scaled_imu, mavlink::raw_imu,
                                     mavlink::highres_imu};
-// The longest packet, and the byte behind it that is looked at as well.
+// The longest packet, and what is looked at behind it: the time that a log has there, and a sync.
 constexpr std::size_t longest_look = mavlink::header_v2_bytes + mavlink::payload_max_bytes +
-                                     mavlink::checksum_bytes + mavlink::signature_bytes + 1;
+                                     mavlink::checksum_bytes + mavlink::signature_bytes +
+                                     mavlink::log_time_bytes + 1;
 
 constexpr std::array<GyroSetting, 4> mavlink_settings{{
     {"system", 0, 255, true, "whose gyro is read; 0: of the first system that sends one"},
@@ -38,6 +41,19 @@ constexpr std::array<GyroSetting, 4> mavlink_settings{{
 
 bool is_packet_sync(std::uint8_t byte) {
   return byte == mavlink::sync_v2 || byte == mavlink::sync_v1;
+}
+
+/// A log of a ground station (tlog) has a time before each packet: us since 1970, big-endian, of 2001 to
+/// 2142.
+bool may_begin_log_time(Bytes rest) {
+  return rest[0] == 0 && (rest.size() == 1 || (rest[1] >= 3 && rest[1] < 0x13));
+}
+
+/// Nothing: more bytes are needed.
+std::optional<bool> is_log_time(Bytes rest, bool ended) {
+  if (rest.empty() || !may_begin_log_time(rest)) return false;
+  if (rest.size() > mavlink::log_time_bytes) return is_packet_sync(rest[mavlink::log_time_bytes]);
+  return ended ? std::optional(false) : std::nullopt;
 }
 
 /// CRC-16/MCRF4XX, which MAVLink calls X.25: one byte more.
@@ -240,6 +256,8 @@ class MavlinkScanner {
   }
   const wire::Counters& counters() const { return ledger_.counters; }
 
+  std::function<void(const Packet&)> watch;  // is shown every good packet
+
  private:
   std::size_t step(Bytes rest, std::vector<GyroMessage>& out);
   std::size_t wait();
@@ -260,6 +278,13 @@ class MavlinkScanner {
 };
 
 std::size_t MavlinkScanner::step(Bytes rest, std::vector<GyroMessage>& out) {
+  const bool at_begin = ledger_.waiting() == ledger_.counters.bytes_received;
+  const std::optional<bool> in_log = locked_ || at_begin ? is_log_time(rest, ended_) : false;
+  if (!in_log) return 0;
+  if (*in_log) {
+    ledger_.book_filler(mavlink::log_time_bytes);
+    return mavlink::log_time_bytes;
+  }
   if (!is_packet_sync(rest[0]))
     return skip(
         static_cast<std::size_t>(std::find_if(rest.begin(), rest.end(), is_packet_sync) - rest.begin()));
@@ -271,7 +296,10 @@ std::size_t MavlinkScanner::step(Bytes rest, std::vector<GyroMessage>& out) {
   if (!checksum_fits(packet)) return refuse_packet(size);
   if (packet.message != nullptr) return take_packet(packet, out);
   if (rest.size() == size && !ended_) return 0;
-  return rest.size() == size || is_packet_sync(rest[size]) ? take_packet(packet, out) : refuse_packet(size);
+  const std::optional<bool> log_goes_on = is_log_time(rest.subspan(size), ended_);
+  if (!log_goes_on) return 0;
+  const bool is_followed = rest.size() == size || *log_goes_on || is_packet_sync(rest[size]);
+  return is_followed ? take_packet(packet, out) : refuse_packet(size);
 }
 
 /// For the rest of a packet. At the end of the stream nothing more comes: good ones may stand inside.
@@ -282,6 +310,7 @@ std::size_t MavlinkScanner::wait() {
 std::size_t MavlinkScanner::take_packet(const Packet& packet, std::vector<GyroMessage>& out) {
   locked_ = true;
   if (packet.is_short) return take_bad(packet, ledger_.counters.bad_length);
+  if (watch) watch(packet);
   const std::optional<GyroReading> reading = reading_of(packet);
   if (reading && !is_sound(*reading)) return take_bad(packet, ledger_.counters.bad_value);
   const StreamSpan span = ledger_.book_message(packet.size);
@@ -426,19 +455,61 @@ GyroScanner mavlink_scanner(const GyroProfile& profile, StreamStart) {
   return GyroScanner(MavlinkScanner(profile));
 }
 
-std::optional<Evidence> recognise_mavlink(Bytes bytes, double) {
+/// What the profile has to say: which message of a gyro comes most often, the finer one of equals, and the
+/// unit of RAW_IMU's counts where the controller's kind tells it.
+GyroProfile mavlink_profile_for(Bytes bytes) {
+  std::map<std::uint32_t, std::size_t> messages;
+  bool is_ardupilot = false;
   MavlinkScanner scanner{GyroProfile()};
+  scanner.watch = [&](const Packet& packet) {
+    ++messages[packet.sender.message];
+    if (packet.sender.message == mavlink::heartbeat.id)
+      is_ardupilot |=
+          Payload(packet.payload).u8(mavlink::heartbeat_autopilot) == mavlink::autopilot_ardupilot;
+  };
+  std::vector<GyroMessage> readings;
+  scanner.push(bytes, readings);
+  scanner.finish(readings);
+  GyroProfile profile;
+  std::size_t most = 1;
+  for (const mavlink::Message& message : {mavlink::raw_imu, mavlink::scaled_imu, mavlink::highres_imu}) {
+    if (messages[message.id] < most) continue;
+    most = messages[message.id];
+    profile.settings["message"] = message.id;
+  }
+  if (is_ardupilot && profile.setting("message") == mavlink::raw_imu.id)
+    profile.settings["raw_scale_dps"] = 1e-3 * dps_per_rad_s;
+  return profile;
+}
+
+std::optional<Evidence> recognise_mavlink(Bytes bytes, double) {
+  const GyroProfile profile = mavlink_profile_for(bytes);
+  MavlinkScanner scanner{profile};
   std::vector<GyroMessage> messages;
   scanner.push(bytes, messages);
   const wire::Counters& counters = scanner.counters();
-  if (counters.messages + counters.replies < 2) return std::nullopt;
-  const std::string samples =
-      messages.empty() ? "none of SCALED_IMU or HIGHRES_IMU" : fmt::format("{} of a gyro", messages.size());
-  return Evidence{
-      .messages = messages.size(),
-      .bytes = counters.bytes_in_messages,
-      .text = fmt::format("{} MAVLink packets, {}", counters.messages + counters.replies, samples),
-      .text_format = {}};
+  const std::uint64_t packets = counters.messages + counters.replies;
+  if (packets < 2) return std::nullopt;
+  Evidence evidence{.messages = messages.size(),
+                    .bytes = counters.bytes_in_messages,
+                    .text = fmt::format("{} MAVLink packets, {} of a gyro", packets, messages.size()),
+                    .text_format = {},
+                    .advice = {},
+                    .settings = profile.settings};
+  if (!messages.empty()) return evidence;
+  evidence.settings.clear();
+  if (profile.setting("message") == mavlink::raw_imu.id) {
+    evidence.text =
+        fmt::format("{} MAVLink packets, counts of a gyro (RAW_IMU) whose scale nothing says", packets);
+    evidence.advice =
+        "raw_scale_dps in [gyro.mavlink], deg/s of a count (0.0573 where it counts mrad/s); or ask the "
+        "controller for "
+        "SCALED_IMU or HIGHRES_IMU";
+  } else {
+    evidence.text = fmt::format("no IMU message among {} good MAVLink packets", packets);
+    evidence.advice = "ask the controller for HIGHRES_IMU or SCALED_IMU (its stream of raw sensors)";
+  }
+  return evidence;
 }
 
 }  // namespace
@@ -452,7 +523,8 @@ GyroProtocol mavlink_gyro() {
           .message_bytes = mavlink_message_bytes,
           .scanner = mavlink_scanner,
           .recognise = recognise_mavlink,
-          .request = mavlink_request};
+          .request = mavlink_request,
+          .is_told_rate = true};
 }
 
 }  // namespace thermorig::sensors

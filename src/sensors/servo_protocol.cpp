@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t frame_bytes_around = 6;  // type, sequence, CRC, two flags
 constexpr std::size_t messages_needed = 2;
 // Long: an Arduino boots for a second or two after its port was opened.
-constexpr std::array<UsualBaud, 1> servo_bauds{{{SERVO_LINK_BAUD, 0.42}}};
+constexpr std::array<UsualBaud, 1> servo_bauds{{{SERVO_LINK_BAUD, 0.38}}};
 constexpr ClockProperties micro_controller_clock{
     .tick_s = 1e-6,
     .wrap_ticks = std::uint64_t{1} << 32U,

@@ -5,90 +5,52 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 
+#include "text_fields.h"
+#include "text_line.h"
 #include "text_table.h"
 
 namespace thermorig::sensors {
 
 namespace {
 
-// What names such as "gx_dps", "gyro.x", "t_ms" say about a column.
-
-constexpr std::string_view axis_letters = "xyz";
-constexpr double mpu6050_counts_per_dps = 131.0;  // at +-250 deg/s, its setting after a reset
-
-std::string lower(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return name;
-}
-
-bool is_small_letter(char c) {
-  return c >= 'a' && c <= 'z';
-}
-
-/// Whether `text` stands in `name` as a word: no letter before or behind it.
-bool has_word(const std::string& name, std::string_view text) {
-  for (std::size_t at = name.find(text); at != std::string::npos; at = name.find(text, at + 1)) {
-    const std::size_t end = at + text.size();
-    if ((at == 0 || !is_small_letter(name[at - 1])) && (end == name.size() || !is_small_letter(name[end])))
-      return true;
-  }
-  return false;
-}
-
-bool has_any_word(const std::string& name, std::initializer_list<std::string_view> words) {
-  return std::any_of(words.begin(), words.end(), [&](std::string_view word) { return has_word(name, word); });
-}
-
-/// Whether a name means the rate about an axis (0, 1, 2: x, y, z).
-bool names_rate(const std::string& name, std::size_t axis) {
-  const std::string text = lower(name);
-  const std::string letter(1, axis_letters[axis]);
-  for (const std::string stem : {"g", "w", "gyr", "gyro", "rot", "rotation", "omega", "rate"}) {
-    if (has_word(text, stem + letter)) return true;
-    if (stem.size() > 1 && has_word(text, stem) && has_word(text, letter))
-      return true;  // "g" alone is gravity
-  }
-  return false;
-}
-
-/// Degrees per second of one unit; none where the name has no unit.
-std::optional<double> named_scale_dps(const std::string& name) {
-  const std::string text = lower(name);
-  if (has_any_word(text, {"rad", "rads", "radps"})) return 180.0 / std::numbers::pi;
-  if (has_word(text, "mdps")) return 1e-3;
-  if (has_any_word(text, {"raw", "counts", "lsb"})) return 1.0 / mpu6050_counts_per_dps;
-  if (has_any_word(text, {"dps", "deg", "degs"})) return 1.0;
-  return std::nullopt;
-}
-
-bool names_time(const std::string& name) {
-  return has_any_word(lower(name),
-                      {"t", "time", "timestamp", "s", "sec", "ms", "us", "millis", "micros", "seconds"});
-}
-
-/// Seconds of one unit; none where the name has no unit.
-std::optional<double> named_time_unit_s(const std::string& name) {
-  const std::string text = lower(name);
-  if (has_any_word(text, {"us", "micros"})) return 1e-6;
-  if (has_any_word(text, {"ms", "millis"})) return 1e-3;
-  if (has_any_word(text, {"s", "sec", "seconds"})) return 1.0;
-  return std::nullopt;
-}
-
 constexpr std::size_t axes = 3;
 constexpr std::size_t rows_needed = 2;
-constexpr std::size_t rows_of_a_clock = 8;             // a rate that rises through so many lines is none
-constexpr double usual_period_s = 0.01;                // where nobody knows how long the lines took
-constexpr std::string_view i2cdevlib_prefix = "a/g:";  // MPU6050_raw: ax ay az gx gy gz, counts
-constexpr double i2cdevlib_counts_per_dps = 131.0;     // at +-250 deg/s, which that sketch sets
+constexpr std::size_t rows_of_a_clock = 8;        // a rate that rises through so many lines is none
+constexpr std::size_t rows_of_a_rest = 8;         // a sensor that is there shows its noise in so many
+constexpr double usual_period_s = 0.01;           // where nobody knows how long the lines took
+constexpr double mpu6050_counts_per_dps = 131.0;  // at +-250 deg/s, its setting after a reset
+constexpr double usual_noise_dps = 0.05;          // rms of an MPU-6050: PS-MPU-6000A-00, table 6.1
+
+/// Sketches of libraries whose lines do not say the unit, by what only they print.
+struct KnownSketch {
+  std::string_view mark;
+  double scale_dps;
+  std::string_view what;
+  int first_number = -1;  // from which the rates are, without a name; -1: they have names
+  double gravity = 0.0;   // what its accelerations measure; 0: they are not on the line
+};
+
+// Source: the libraries' examples, devices as protocols/text_gyro.md lists them.
+constexpr std::array known_sketches{
+    KnownSketch{"a/g:", 1.0 / 131.0, "i2cdevlib prints accelerations, then counts at +-250 deg/s", 3},
+    KnownSketch{"#G-", 1.0 / 14.375, "Razor AHRS prints counts of an ITG-3200", 0},
+    KnownSketch{"RAW. Acc [", 1.0 / 131.0, "SparkFun's ICM-20948 example prints counts at +-250 deg/s"},
+    KnownSketch{"gyroX :", 1.0, "MPU6050_tockn prints deg/s"},
+    KnownSketch{"GYRO      X:", 1.0, "MPU6050_light prints deg/s"},
+    KnownSketch{"Gyro:\tx=", dps_of_rad_s, "Adafruit_BNO055 prints rad/s"},
+    KnownSketch{"Gyro - x:", dps_of_rad_s, "Adafruit_BNO08x prints rad/s"},
+    KnownSketch{"AccelX:", dps_of_rad_s, "Adafruit's plotter examples print rad/s", -1, 9.81},
+    KnownSketch{"aX,aY,aZ,gX,gY,gZ", 1.0, "an OpenLog Artemis writes deg/s"},
+};
+constexpr std::string_view angles_of_bno055 = "CALIBRATION: Sys=";  // X, Y, Z before it are Euler angles
 
 std::vector<double> steps_of(const TextTable& table, std::size_t column) {
   std::vector<double> steps;
@@ -96,6 +58,11 @@ std::vector<double> steps_of(const TextTable& table, std::size_t column) {
     steps.push_back(table.rows[row][column] - table.rows[row - 1][column]);
   std::sort(steps.begin(), steps.end());
   return steps;
+}
+
+bool is_constant(const TextTable& table, std::size_t column) {
+  return std::all_of(table.rows.begin(), table.rows.end(),
+                     [&](const auto& row) { return row[column] == table.rows.front()[column]; });
 }
 
 /// A clock rises from line to line; few lines must do so in nearly equal steps as well.
@@ -116,78 +83,413 @@ double unit_of_clock(const TextTable& table, std::size_t column, double heard_s)
   });
 }
 
+/// Seconds of one unit; none where the name has no unit.
+std::optional<double> named_time_unit_s(const std::string& name) {
+  std::string words = " ";
+  for (const char c : name)
+    words += std::isalpha(static_cast<unsigned char>(c)) ? static_cast<char>(std::tolower(c)) : ' ';
+  words += ' ';
+  const auto has = [&](const char* word) { return words.find(fmt::format(" {} ", word)) != words.npos; };
+  if (has("us") || has("micros")) return 1e-6;
+  if (has("ms") || has("millis")) return 1e-3;
+  if (has("s") || has("sec") || has("seconds")) return 1.0;
+  return std::nullopt;
+}
+
 std::string unit_text(double unit_s) {
   if (unit_s == 1e-6) return "microseconds";
   return unit_s == 1e-3 ? "milliseconds" : "seconds";
 }
 
-/// Fills in a format's columns from a table, and says why.
-class Guess {
- public:
-  Guess(const TextTable& table, double heard_s)
-      : table_(table), numbers_(table.number_columns()), heard_s_(heard_s) {
-    format_.columns.prefix = table.prefix;
-    format_.sample_line = table.sample_line;
-    format_.fields = table.names.size();
-    format_.lines = table.rows.size();
-    format_.bytes = table.bytes;
+using Rates = std::array<int, axes>;  // columns, -1: none
+
+std::size_t count_of(const Rates& rates) {
+  return static_cast<std::size_t>(
+      std::count_if(rates.begin(), rates.end(), [](int column) { return column >= 0; }));
+}
+
+/// The column of the first axis that has one.
+int first_of(const Rates& rates) {
+  if (rates[0] >= 0) return rates[0];
+  return rates[1] >= 0 ? rates[1] : rates[2];
+}
+
+/// The columns that words call rates about x, y, z; all three, or those whose axis has a name.
+Rates named_rates(const TextTable& table) {
+  Rates rates{-1, -1, -1};
+  bool axes_named = true;
+  for (std::size_t column = 0; column < table.columns.size(); ++column) {
+    const Meaning& meaning = table.columns[column].meaning;
+    if (meaning.quantity != Quantity::rate || !meaning.axis || !table.columns[column].is_number) continue;
+    if (rates[*meaning.axis] >= 0) continue;
+    rates[*meaning.axis] = static_cast<int>(column);
+    axes_named &= meaning.axis_named;
   }
+  return count_of(rates) == axes || axes_named ? rates : Rates{-1, -1, -1};
+}
+
+/// Three columns whose length is that of gravity in a unit, and hardly changes.
+bool measure_gravity(const TextTable& table, std::span<const std::size_t> three, double unit) {
+  return std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
+    const double norm = std::hypot(row[three[0]], row[three[1]], row[three[2]]);
+    return norm > 0.8 * unit && norm < 1.2 * unit;
+  });
+}
+
+/// So in any usual unit.
+bool is_gravity(const TextTable& table, std::span<const std::size_t> three) {
+  constexpr std::array units{1.0, 9.81, 1000.0, 2048.0, 4096.0, 8192.0, 16384.0};
+  return std::none_of(three.begin(), three.end(),
+                      [&](std::size_t column) { return is_constant(table, column); }) &&
+         std::any_of(units.begin(), units.end(),
+                     [&](double unit) { return measure_gravity(table, three, unit); });
+}
+
+/// Another sketch may use the same words for other units: its accelerations tell.
+bool fits(const KnownSketch& sketch, const TextTable& table) {
+  if (sketch.gravity == 0.0) return true;
+  std::vector<std::size_t> accelerations;
+  for (const std::size_t column : table.number_columns())
+    if (table.columns[column].meaning.quantity == Quantity::acceleration) accelerations.push_back(column);
+  return accelerations.size() == axes && measure_gravity(table, accelerations, sketch.gravity);
+}
+
+/// Finds the lines of rates on a page, and says why.
+class Recogniser {
+ public:
+  Recogniser(const TextPage& page, double heard_s) : page_(page), heard_s_(heard_s) {}
 
   std::optional<TextFormat> format() {
-    if (table_.rows.size() < rows_needed || numbers_.size() < axes) return std::nullopt;
-    if (table_.names.size() >= image_line_fields) return std::nullopt;
-    find_time();
-    if (!find_named_rates()) find_rates_by_order();
-    return format_;
+    if (most_frequent() == nullptr) return std::nullopt;
+    if (2 * page_.rows_with_decimal_commas > page_.rows) return refuse_commas();
+    if (const TextTable* named = best_named()) return of_named(*named);
+    if (const KnownSketch* sketch = sketch_of_order()) return of_order(*sketch);
+    if (is_of_other_things()) return refuse_other_things();
+    return of_numbers(*most_frequent());
   }
 
  private:
+  static bool is_enough(const TextTable& table) { return table.rows.size() >= rows_needed; }
+
+  /// A device that prints lines of acceleration and of rates by turns marks the latter.
+  const TextTable* most_frequent() const {
+    const auto weight = [](const TextTable& table) {
+      const bool is_marked = table.prefix.starts_with('g') || table.prefix.starts_with('G');
+      return table.rows.size() * (is_marked ? 2 : 1);
+    };
+    const TextTable* best = nullptr;
+    for (const TextTable& table : page_.tables)
+      if (is_enough(table) && (best == nullptr || weight(table) > weight(*best))) best = &table;
+    return best;
+  }
+
+  /// Most axes first, then z, which is the servo's in most rigs, then a unit, then most lines.
+  const TextTable* best_named() const {
+    const auto merit = [](const TextTable& table) {
+      const Rates rates = named_rates(table);
+      const bool has_unit = count_of(rates) > 0 && has_scale(table, rates);
+      return std::tuple(count_of(rates), rates[2] >= 0, has_unit, table.rows.size());
+    };
+    const TextTable* best = nullptr;
+    for (const TextTable& table : page_.tables)
+      if (is_enough(table) && count_of(named_rates(table)) > 0 &&
+          (best == nullptr || merit(table) > merit(*best)))
+        best = &table;
+    return best;
+  }
+
+  static const Meaning& meaning_of(const TextTable& table, const Rates& rates) {
+    return table.columns[static_cast<std::size_t>(first_of(rates))].meaning;
+  }
+  static bool has_scale(const TextTable& table, const Rates& rates) {
+    return meaning_of(table, rates).scale_dps > 0.0;
+  }
+
+  bool is_on_page(std::string_view mark) const {
+    const auto holds = [&](const std::string& line) { return line.find(mark) != line.npos; };
+    return std::any_of(page_.headings.begin(), page_.headings.end(), holds) ||
+           std::any_of(page_.tables.begin(), page_.tables.end(),
+                       [&](const TextTable& table) { return holds(table.sample_line); });
+  }
+
+  const KnownSketch* sketch_of_names() const {
+    const auto found =
+        std::find_if(known_sketches.begin(), known_sketches.end(), [&](const KnownSketch& sketch) {
+          return sketch.first_number < 0 && is_on_page(sketch.mark) && fits(sketch, *table_);
+        });
+    return found == known_sketches.end() ? nullptr : &*found;
+  }
+
+  const TextTable* table_of(const KnownSketch& sketch) const {
+    for (const TextTable& table : page_.tables)
+      if (is_enough(table) && table.prefix.starts_with(sketch.mark) &&
+          table.number_columns().size() == static_cast<std::size_t>(sketch.first_number) + axes)
+        return &table;
+    return nullptr;
+  }
+
+  const KnownSketch* sketch_of_order() const {
+    const auto found = std::find_if(
+        known_sketches.begin(), known_sketches.end(),
+        [&](const KnownSketch& sketch) { return sketch.first_number >= 0 && table_of(sketch) != nullptr; });
+    return found == known_sketches.end() ? nullptr : &*found;
+  }
+
+  TextFormat begin(const TextTable& table) {
+    table_ = &table;
+    numbers_ = table.number_columns();
+    format_.columns.prefix = table.prefix;
+    format_.sample_line = table.sample_line;
+    format_.fields = table.columns.size();
+    format_.lines = table.rows.size();
+    format_.bytes = page_.bytes;
+    return format_;
+  }
+
+  TextFormat of_named(const TextTable& table) {
+    begin(table);
+    take_rates(named_rates(table));
+    find_time();
+    const Meaning& meaning = meaning_of(table, format_.columns.rate);
+    const std::string& name = table.columns[static_cast<std::size_t>(first_rate())].name;
+    say(fmt::format("{} are the rates by the words \"{}\"", columns_text(), name));
+    if (count_of(format_.columns.rate) < axes) say_one_axis();
+    if (meaning.scale_dps > 0.0)
+      take_scale(meaning.scale_dps, fmt::format("their unit is {}, as the words say", meaning.unit));
+    else if (const KnownSketch* sketch = sketch_of_names())
+      take_scale(sketch->scale_dps, std::string(sketch->what));
+    else
+      leave_scale_open();
+    return finish();
+  }
+
+  TextFormat of_order(const KnownSketch& sketch) {
+    begin(*table_of(sketch));
+    Rates rates{};
+    for (std::size_t axis = 0; axis < axes; ++axis)
+      rates[axis] = static_cast<int>(numbers_[static_cast<std::size_t>(sketch.first_number) + axis]);
+    take_rates(rates);
+    take_scale(sketch.scale_dps, fmt::format("{} are the rates: {}", columns_text(), sketch.what));
+    return finish();
+  }
+
+  /// Nothing on the lines says what they are; what stands above them may.
+  std::optional<TextFormat> of_numbers(const TextTable& table) {
+    if (table.number_columns().size() < axes || table.columns.size() >= image_line_fields)
+      return std::nullopt;
+    begin(table);
+    find_time();
+    if (numbers_.size() < axes) return std::nullopt;
+    if (numbers_.size() == axes && is_headed_by_rates()) {
+      take_rates(in_named_order(0));
+      say(fmt::format("{} are the rates, as the lines above say", columns_text()));
+      if (above_.last_scale_dps() > 0.0)
+        take_scale(above_.last_scale_dps(),
+                   fmt::format("their unit is {}, as the lines above say", above_.last_unit()));
+      else
+        leave_scale_open();
+      return finish();
+    }
+    guess_rates();
+    leave_scale_open();
+    return finish();
+  }
+
+  /// Those behind the accelerations, which show by their length; else the last three.
+  void guess_rates() {
+    std::size_t at = numbers_.size() - axes;
+    for (std::size_t i = 0; i + 2 * axes <= numbers_.size(); ++i)
+      if (is_gravity(*table_, std::span(numbers_).subspan(i, axes))) {
+        at = i + axes;
+        say(fmt::format("columns {},{},{} look like accelerations", numbers_[i], numbers_[i + 1],
+                        numbers_[i + 2]));
+        break;
+      }
+    format_.columns.rate = in_named_order(at);
+    say(fmt::format("{} are taken as the rates, which is a guess", columns_text()));
+  }
+
+  /// Three columns, by the axes that a header names ("z,y,x") or in their order.
+  Rates in_named_order(std::size_t at) const {
+    Rates named{-1, -1, -1}, ordered{};
+    for (std::size_t i = 0; i < axes; ++i) {
+      const std::size_t column = numbers_[at + i];
+      const Meaning& meaning = table_->columns[column].meaning;
+      if (meaning.axis_named) named[*meaning.axis] = static_cast<int>(column);
+      ordered[i] = static_cast<int>(column);
+    }
+    return count_of(named) == axes ? named : ordered;
+  }
+
+  /// The lines without numbers, and single ones with some, speak of rates alone.
+  bool is_headed_by_rates() {
+    for (const std::string& heading : page_.headings) above_.words(heading);
+    for (const TextTable& table : page_.tables)
+      if (&table != table_ && !is_enough(table)) above_.words(table.sample_line);
+    constexpr std::array others{Quantity::acceleration, Quantity::magnetic, Quantity::angle,
+                                Quantity::quaternion};
+    return above_.has_named(Quantity::rate) &&
+           std::none_of(others.begin(), others.end(),
+                        [&](Quantity other) { return above_.has_named(other); });
+  }
+
+  bool is_of_other_things() {
+    for (const TextTable& table : page_.tables)
+      if (is_enough(table))
+        for (const TextColumn& column : table.columns) note(column.meaning.quantity);
+    if (is_on_page(angles_of_bno055)) note(Quantity::angle);
+    return !others_.empty();
+  }
+  void note(Quantity quantity) {
+    constexpr std::array others{Quantity::acceleration, Quantity::magnetic, Quantity::angle,
+                                Quantity::quaternion};
+    if (std::find(others.begin(), others.end(), quantity) == others.end()) return;
+    if (std::find(others_.begin(), others_.end(), quantity) == others_.end()) others_.push_back(quantity);
+  }
+
+  TextFormat refuse_other_things() {
+    begin(*most_frequent());
+    std::string words;
+    for (const Quantity quantity : others_)
+      words += (words.empty() ? "" : " and ") + std::string(name_of(quantity));
+    format_.refusal = fmt::format("its lines hold {}, no rates of turn", words);
+    format_.advice =
+        "make the sketch print the gyro's x, y, z (its rates in deg/s): an angle is what some filter made of "
+        "them";
+    return format_;
+  }
+
+  TextFormat refuse_commas() {
+    begin(*most_frequent());
+    format_.refusal = "its numbers have decimal commas, and a comma separates columns";
+    format_.advice =
+        "print points; of a file whose columns lie between semicolons or tabs: tr , . <FILE | thermorig "
+        "decode "
+        "--device gyro -";
+    return format_;
+  }
+
   void find_time() {
-    const auto named = std::find_if(numbers_.begin(), numbers_.end(), [&](std::size_t column) {
-      return names_time(table_.names[column]) && runs_like_a_clock(table_, column);
-    });
-    const auto time = named == numbers_.end() ? numbers_.begin() : named;
-    if (numbers_.size() == axes || !runs_like_a_clock(table_, *time)) return;
+    const auto is_free = [&](std::size_t column) {
+      const auto& rate = format_.columns.rate;
+      return !format_.rates_known ||
+             std::find(rate.begin(), rate.end(), static_cast<int>(column)) == rate.end();
+    };
+    const auto clock = [&](bool named) {
+      return std::find_if(numbers_.begin(), numbers_.end(), [&](std::size_t column) {
+        const Quantity quantity = table_->columns[column].meaning.quantity;
+        return is_free(column) && quantity == (named ? Quantity::time : Quantity::none) &&
+               (named || column == numbers_.front()) && runs_like_a_clock(*table_, column);
+      });
+    };
+    auto time = clock(true);
+    if (time == numbers_.end()) time = clock(false);
+    if (time == numbers_.end() || (numbers_.size() == axes && !format_.rates_known)) return;
     const double unit_s =
-        named_time_unit_s(table_.names[*time]).value_or(unit_of_clock(table_, *time, heard_s_));
+        named_time_unit_s(table_->columns[*time].name).value_or(unit_of_clock(*table_, *time, heard_s_));
     format_.columns.time = static_cast<int>(*time);
     format_.columns.time_unit_s = unit_s;
     say(fmt::format("column {} runs like a clock, in {}", *time, unit_text(unit_s)));
     numbers_.erase(time);
   }
 
-  bool find_named_rates() {
-    std::array<int, axes> rate{};
-    for (std::size_t axis = 0; axis < axes; ++axis) {
-      const auto found = std::find_if(numbers_.begin(), numbers_.end(), [&](std::size_t column) {
-        return names_rate(table_.names[column], axis);
-      });
-      if (found == numbers_.end()) return false;
-      rate[axis] = static_cast<int>(*found);
-    }
-    const std::string& name = table_.names[static_cast<std::size_t>(rate[0])];
-    const std::optional<double> scale_dps = named_scale_dps(name);
-    format_.columns.rate = rate;
+  void take_rates(const Rates& rates) {
+    format_.columns.rate = rates;
     format_.rates_known = true;
-    format_.columns.scale_dps = scale_dps.value_or(1.0);
-    say(fmt::format("{} are the rates by their names ({} ...){}", columns_text(), name,
-                    scale_dps ? "" : "; 1 deg/s a unit is assumed"));
-    return true;
   }
 
-  void find_rates_by_order() {
-    const bool is_i2cdevlib = table_.prefix == i2cdevlib_prefix && numbers_.size() == 2 * axes;
-    for (std::size_t axis = 0; axis < axes; ++axis)
-      format_.columns.rate[axis] = static_cast<int>(numbers_[numbers_.size() - axes + axis]);
-    if (!is_i2cdevlib)
-      return say(fmt::format("{} are taken as the rates; 1 deg/s a unit is assumed", columns_text()));
-    format_.columns.scale_dps = 1.0 / i2cdevlib_counts_per_dps;
-    format_.rates_known = true;
-    say(
-        fmt::format("{} are taken as the rates behind the accelerations, as i2cdevlib prints them; 1/{} "
-                    "deg/s a count is assumed (MPU6050 at +-250 deg/s)",
-                    columns_text(), i2cdevlib_counts_per_dps));
+  void take_scale(double scale_dps, std::string why) {
+    format_.columns.scale_dps = scale_dps;
+    format_.scale_known = true;
+    say(std::move(why));
   }
+
+  void leave_scale_open() {
+    const auto& rates = format_.columns.rate;
+    format_.is_counts = std::all_of(rates.begin(), rates.end(), [&](int column) {
+      return column < 0 || table_->columns[static_cast<std::size_t>(column)].decimals == 0;
+    });
+    format_.columns.scale_dps = format_.is_counts ? 1.0 / mpu6050_counts_per_dps : 1.0;
+    say("nothing says their unit");
+  }
+
+  void say_one_axis() {
+    std::string others;
+    for (const TextTable& table : page_.tables)
+      if (&table != table_ && is_enough(table) && count_of(named_rates(table)) > 0)
+        others += fmt::format("{}\"{}\"", others.empty() ? "" : ", ", longest_prefix(table));
+    say("a line does not hold every axis: the others are not read" +
+        (others.empty() ? "" : "; to read another one, its prefix is " + others));
+  }
+
+  TextFormat finish() {
+    remark_on_rest();
+    remark_on_resolution();
+    if (reads_other_lines()) format_.columns.prefix = longest_prefix(*table_);
+    if (table_->sample_line.size() > text_line_bytes_max) {
+      format_.refusal = fmt::format("its lines have {} bytes, the limit is {}", table_->sample_line.size(),
+                                    text_line_bytes_max);
+      format_.advice = "print fewer columns";
+    } else if (reads_other_lines() || is_told_by_headings()) {
+      format_.refusal = "lines of rates and lines of other values begin alike, and nothing tells them apart";
+      format_.advice = "print one line a sample, or a word at the start of each kind of line";
+    }
+    return format_;
+  }
+
+  /// Two sorts of lines would pass for samples.
+  bool reads_other_lines() const {
+    std::string room;
+    return std::any_of(page_.tables.begin(), page_.tables.end(), [&](const TextTable& table) {
+      const bool is_rare = 10 * table.rows.size() < table_->rows.size();  // damaged ones
+      if (is_rare || &table == table_) return false;
+      const TextLine line = read_text_line(format_.columns, table.sample_line, room);
+      return line.reading && named_rates(table) != named_rates(*table_);
+    });
+  }
+
+  /// The first column's name is taken in: "gx:" of lines that also begin with "ax:".
+  static std::string longest_prefix(const TextTable& table) {
+    const std::string_view line = table.sample_line;
+    const std::size_t at = std::min(line.find_first_not_of(" \t"), line.size());
+    const auto first = Fields(line).next();
+    if (!table.prefix.empty() || !first || first->name.empty()) return table.prefix;
+    return std::string(line.substr(at, static_cast<std::size_t>(first->value.data() - line.data()) - at));
+  }
+
+  /// Headings, not words on the lines, tell what bare lines hold.
+  bool is_told_by_headings() const {
+    return !format_.rates_known && 2 * page_.heading_lines >= table_->rows.size() &&
+           page_.headings.size() > 1 && page_.rows >= rows_of_a_rest;
+  }
+
+  void remark_on_rest() {
+    if (table_->rows.size() < rows_of_a_rest) return;
+    const auto& rates = format_.columns.rate;
+    if (!std::all_of(rates.begin(), rates.end(), [&](int column) {
+          return column < 0 || is_constant(*table_, static_cast<std::size_t>(column));
+        }))
+      return;
+    const double value = table_->rows.front()[static_cast<std::size_t>(first_rate())];
+    format_.remarks.push_back(fmt::format(
+        "the rates never change ({:g} in {} lines): is there no sensor behind it? Check its wires and "
+        "its address",
+        value, table_->rows.size()));
+  }
+
+  /// Rounding adds an error of a step / sqrt(12), which no average takes away from a gyro at rest.
+  void remark_on_resolution() {
+    if (!format_.scale_known || format_.is_counts) return;
+    const std::size_t decimals = table_->columns[static_cast<std::size_t>(first_rate())].decimals;
+    const double step_dps = std::pow(10.0, -static_cast<double>(decimals)) * format_.columns.scale_dps;
+    if (decimals == 0 || step_dps / std::sqrt(12.0) <= usual_noise_dps) return;
+    format_.remarks.push_back(fmt::format(
+        "{} decimals are steps of {:.3f} deg/s, coarser than a gyro's noise ({:g} deg/s): print more "
+        "of them, such as Serial.print(rate, 5)",
+        decimals, step_dps, usual_noise_dps));
+  }
+
+  int first_rate() const { return first_of(format_.columns.rate); }
 
   std::string columns_text() const {
     const auto& rate = format_.columns.rate;
@@ -196,18 +498,30 @@ class Guess {
 
   void say(std::string sentence) { format_.assumptions.push_back(std::move(sentence)); }
 
-  const TextTable& table_;
-  std::vector<std::size_t> numbers_;  // columns that may be rates
+  const TextPage& page_;
   double heard_s_;
+  const TextTable* table_ = nullptr;
+  std::vector<std::size_t> numbers_;  // columns that may be rates
+  WordReader above_;
+  std::vector<Quantity> others_;  // that are named where no rates are
   TextFormat format_;
 };
 
 }  // namespace
 
+std::string open_question(const TextFormat& format) {
+  if (!format.refusal.empty() || format.is_known()) return "";
+  const char* const unit = format.is_counts
+                               ? "how many counts are a deg/s (131, 65.5, 32.8, 16.4 by its range)"
+                               : "in which unit they are (deg/s, rad/s)";
+  if (format.rates_known) return fmt::format("the columns of the rates are known, but not {}", unit);
+  return fmt::format("nothing on the lines says which columns are the rates, or {}", unit);
+}
+
 std::optional<TextFormat> guess_text_format(std::span<const std::uint8_t> bytes, StreamStart start,
                                             double heard_s) {
-  const TextTable table = most_frequent_table(bytes, start);
-  return Guess(table, heard_s).format();
+  const TextPage page = read_page(bytes, start);
+  return Recogniser(page, heard_s).format();
 }
 
 }  // namespace thermorig::sensors

@@ -20,9 +20,8 @@ namespace {
 using wire::Bytes;
 using wire::GyroMessage;
 
-constexpr std::size_t line_bytes_max = 256;  // without the line end; no gyro prints longer lines
-constexpr std::size_t line_window = line_bytes_max + 2;
-constexpr std::size_t learning_window = 4 * line_window;
+constexpr std::size_t line_window = text_line_bytes_max + 2;
+constexpr std::size_t learning_window = 2 * line_window;
 
 /// Reads gyros that print one line of text a sample.
 ///
@@ -46,12 +45,13 @@ class TextGyroScanner {
   std::size_t skip_to_line_end(Bytes rest);
   std::size_t take_line(const RawLine& line, Bytes rest, std::vector<GyroMessage>& out);
   std::size_t pass_over(std::size_t bytes);
-  std::size_t learn_fields(Bytes rest) const;
+  std::size_t learn_fields(Bytes rest);
   bool has_usual_fields(std::size_t fields);
 
   TextColumns columns_;
   wire::ByteLedger ledger_;
   std::vector<std::uint8_t> pending_;  // received, not yet booked
+  std::string room_;                   // for a line without its colours
   bool at_line_start_;
   std::size_t usual_fields_ = 0;  // of the lines so far, 0: none yet
   std::size_t other_fields_ = 0;  // of the line before, if that was not the usual number
@@ -85,7 +85,7 @@ void TextGyroScanner::restart() {
 std::size_t TextGyroScanner::step(Bytes rest, std::vector<GyroMessage>& out) {
   if (!at_line_start_) return skip_to_line_end(rest);
   const auto line = first_line(rest.first(std::min(rest.size(), line_window)), ended_);
-  if (line && line->text.size() <= line_bytes_max) return take_line(*line, rest, out);
+  if (line && line->text.size() <= text_line_bytes_max) return take_line(*line, rest, out);
   if (!line && rest.size() < line_window) return 0;
   ++ledger_.counters.bad_length;
   return skip_to_line_end(rest);
@@ -100,7 +100,7 @@ std::size_t TextGyroScanner::skip_to_line_end(Bytes rest) {
 }
 
 std::size_t TextGyroScanner::take_line(const RawLine& line, Bytes rest, std::vector<GyroMessage>& out) {
-  const TextLine read = read_text_line(columns_, line.text);
+  const TextLine read = read_text_line(columns_, line.text, room_);
   if (is_blank(line.text) || !read.is_sample) return pass_over(line.bytes);
   if (read.reading && usual_fields_ == 0) usual_fields_ = learn_fields(rest);
   if (read.reading && usual_fields_ == 0) return 0;
@@ -125,15 +125,15 @@ std::size_t TextGyroScanner::pass_over(std::size_t bytes) {
 
 /// The number of columns of the first two samples in a row that agree: one line alone may be a banner or the
 /// tail of a line. 0 while more bytes are needed; the first line's where the window has no such two.
-std::size_t TextGyroScanner::learn_fields(Bytes rest) const {
+std::size_t TextGyroScanner::learn_fields(Bytes rest) {
   const Bytes window = rest.first(std::min(rest.size(), learning_window));
   std::size_t first = 0;
   std::size_t before = 0;
   std::size_t at = 0;
   while (const auto line = first_line(window.subspan(at), ended_)) {
     at += line->bytes;
-    const TextLine read = read_text_line(columns_, line->text);
-    if (!read.reading || line->text.size() > line_bytes_max) continue;
+    const TextLine read = read_text_line(columns_, line->text, room_);
+    if (!read.reading || line->text.size() > text_line_bytes_max) continue;
     if (read.fields == before) return read.fields;
     before = read.fields;
     if (first == 0) first = read.fields;
@@ -141,9 +141,13 @@ std::size_t TextGyroScanner::learn_fields(Bytes rest) const {
   return ended_ || window.size() == learning_window ? first : 0;
 }
 
-/// A lost line feed or comma changes the number of fields. Two lines in a row set a new usual number.
+/// A lost line feed or comma changes the number of fields. Two lines in a row set a new usual number: the
+/// layout has changed, and the columns may mean something else.
 bool TextGyroScanner::has_usual_fields(std::size_t fields) {
-  if (other_fields_ == fields) usual_fields_ = fields;
+  if (other_fields_ == fields) {
+    usual_fields_ = fields;
+    if (ledger_.counters.messages > 0) ++ledger_.counters.layout_changes;
+  }
   other_fields_ = fields == usual_fields_ ? 0 : fields;
   return fields == usual_fields_;
 }
@@ -175,6 +179,8 @@ std::optional<Evidence> recognise_text(Bytes bytes, double heard_s) {
   Evidence evidence{.messages = format->lines,
                     .bytes = format->bytes,
                     .text = fmt::format("{} lines of numbers, as a text gyro prints them", format->lines)};
+  if (!format->refusal.empty()) evidence.text = "lines of text: " + format->refusal;
+  evidence.advice = format->advice;
   evidence.text_format = std::move(format);
   return evidence;
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <vector>
+#include <utility>
 
 #include "text_fields.h"
 
@@ -13,31 +13,33 @@ namespace thermorig::sensors {
 
 namespace {
 
-/// Reads wanted columns of one line and remembers whether all, and whether any, could be read.
-class Columns {
- public:
-  explicit Columns(std::string_view text) : fields_(split_fields(text)) {}
-
-  /// The number in a column, which may be infinite or NaN; 0 for column -1, which is not wanted.
-  double read(int column) {
-    if (column < 0) return 0.0;
-    const auto index = static_cast<std::size_t>(column);
-    const std::optional<double> number =
-        index < fields_.size() ? read_number(fields_[index].value) : std::optional<double>();
-    any_number_ |= number.has_value();
-    all_numbers_ &= number.has_value();
-    return number.value_or(0.0);
-  }
-
-  std::size_t size() const { return fields_.size(); }
-  bool any_number() const { return any_number_; }
-  bool all_numbers() const { return all_numbers_; }
-
- private:
-  std::vector<TextField> fields_;
-  bool any_number_ = false;
-  bool all_numbers_ = true;
+/// The wanted columns of one line, read without keeping its fields.
+struct Columns {
+  std::array<double, 3> rate{};  // infinite or NaN as they stand; 0 for an axis that is not sent
+  double time = 0.0;
+  std::size_t fields = 0;
+  std::size_t wanted = 0, numbers = 0;
 };
+
+Columns read_columns(const TextColumns& wanted, std::string_view line) {
+  Columns columns;
+  const std::array<std::pair<int, double*>, 4> places{{{wanted.rate[0], &columns.rate[0]},
+                                                       {wanted.rate[1], &columns.rate[1]},
+                                                       {wanted.rate[2], &columns.rate[2]},
+                                                       {wanted.time, &columns.time}}};
+  for (const auto& [column, place] : places) columns.wanted += column >= 0 ? 1U : 0U;
+  Fields fields(line);
+  while (const std::optional<TextField> field = fields.next()) {
+    const auto index = static_cast<int>(columns.fields++);
+    for (const auto& [column, place] : places) {
+      if (column != index) continue;
+      const std::optional<double> number = read_number(field->value);
+      columns.numbers += number ? 1U : 0U;
+      *place = number.value_or(0.0);
+    }
+  }
+  return columns;
+}
 
 bool fits_count(double number) {
   return number == std::trunc(number) && number >= std::numeric_limits<std::int16_t>::min() &&
@@ -75,20 +77,20 @@ bool set_device_time(double number, double unit_s, GyroReading& reading) {
 
 }  // namespace
 
-TextLine read_text_line(const TextColumns& columns, std::string_view line) {
+TextLine read_text_line(const TextColumns& columns, std::string_view line, std::string& room) {
   TextLine result;
+  line = plain_text(line, room);
+  if (!line.starts_with(columns.prefix)) line = behind_clock(line);
   if (!line.starts_with(columns.prefix)) return result;
-  Columns fields(line.substr(columns.prefix.size()));
-  std::array<double, 3> numbers{};
-  for (std::size_t axis = 0; axis < numbers.size(); ++axis) numbers[axis] = fields.read(columns.rate[axis]);
-  const double time = fields.read(columns.time);
-
-  result.fields = fields.size();
-  result.is_sample = !columns.prefix.empty() || fields.any_number();
+  line.remove_prefix(columns.prefix.size());
+  const Columns found = read_columns(columns, line);
+  result.fields = found.fields;
+  result.is_sample = !columns.prefix.empty() || found.numbers > 0;
   GyroReading reading;
-  keep_counts(numbers, reading);
-  if (fields.all_numbers() && set_rates(numbers, columns.scale_dps, reading) &&
-      (columns.time < 0 || set_device_time(time, columns.time_unit_s, reading)))
+  keep_counts(found.rate, reading);
+  if (found.numbers == found.wanted && set_rates(found.rate, columns.scale_dps, reading) &&
+      (columns.time < 0 || set_device_time(found.time, columns.time_unit_s, reading)) &&
+      !has_decimal_commas(line))
     result.reading = reading;
   return result;
 }

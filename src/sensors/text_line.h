@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "thermorig/core/profile.h"
@@ -17,7 +18,8 @@ struct TextLine {
   std::optional<GyroReading> reading;  // none if a wanted column is missing, unreadable or not finite
 };
 
-/// Reads a line without its line end. Source: protocols/text_gyro.md.
-TextLine read_text_line(const TextColumns& columns, std::string_view line);
+/// Reads a line without its line end. `room` is kept from line to line, so that none costs an allocation.
+/// Source: protocols/text_gyro.md.
+TextLine read_text_line(const TextColumns& columns, std::string_view line, std::string& room);
 
 }  // namespace thermorig::sensors

@@ -5,21 +5,40 @@
 #include <string>
 #include <vector>
 
+#include "text_words.h"
 #include "thermorig/sensors/scanner.h"
 
 namespace thermorig::sensors {
 
-/// The lines of a stream that have one format, as a table of numbers.
+/// One column of the lines of one kind.
+struct TextColumn {
+  std::string name;          // the words before it, or those of the header
+  Meaning meaning;           // what they say
+  bool is_number = true;     // in every row
+  std::size_t decimals = 0;  // most digits behind the point
+};
+
+/// The lines of a stream that are of one kind: with the same words before the first number, and as many
+/// columns.
 struct TextTable {
-  std::string prefix;                               // what they all begin with, before the first number
-  std::string sample_line;                          // the first of them
-  std::vector<std::vector<double>> rows;            // NaN where a column is no number
-  std::vector<std::string> names;                   // of the columns, empty where they have none
-  std::uint64_t bytes = 0;                          // in these lines, with their ends
+  std::string prefix;                     // what they all begin with, before the first number
+  std::string sample_line;                // the first of them, without colours
+  std::vector<TextColumn> columns;        // behind the prefix
+  std::vector<std::vector<double>> rows;  // NaN where a column is no number
+
   std::vector<std::size_t> number_columns() const;  // those that are numbers in every row
 };
 
-/// The most frequent format among the whole lines of `bytes`; no rows if there is no line of numbers.
-TextTable most_frequent_table(std::span<const std::uint8_t> bytes, StreamStart start);
+/// The lines of a stream.
+struct TextPage {
+  std::vector<TextTable> tables;      // by kind; none has no row
+  std::vector<std::string> headings;  // lines without a number, each once
+  std::size_t heading_lines = 0;      // how many there are
+  std::size_t rows = 0;
+  std::size_t rows_with_decimal_commas = 0;
+  std::uint64_t bytes = 0;  // in lines of text, with their ends
+};
+
+TextPage read_page(std::span<const std::uint8_t> bytes, StreamStart start);
 
 }  // namespace thermorig::sensors

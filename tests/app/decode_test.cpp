@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include <tuple>
 
 #include "program.h"
 #include "simulation/gyro.h"
@@ -86,7 +89,9 @@ TEST_F(Decode, SaysThatADumpIsAFlightControllers) {
   for (int i = 0; i < 20; ++i)
     append(dump, simulation::gyro_encoder(profile).bytes({.index = static_cast<std::uint64_t>(i)}, profile));
   write("dump.bin", dump);
-  EXPECT_THAT(run("decode --device gyro dump.bin").err, HasSubstr("--gyro-protocol mavlink"));
+  EXPECT_THAT(run("decode --device gyro --gyro-protocol witmotion dump.bin").err,
+              HasSubstr("--gyro-protocol mavlink"));
+  EXPECT_THAT(run("decode --device gyro dump.bin").out, HasSubstr("read  mavlink, message 26"));
   EXPECT_THAT(run("decode --device camera dump.bin").err, HasSubstr("--device gyro --gyro-protocol mavlink"));
 }
 
@@ -151,7 +156,8 @@ TEST_F(Decode, ReadsEveryLineOfAFileFromItsFirstOn) {
 TEST_F(Decode, ShowsALineAndTheOptionsThatMayReadItWhereNoneCouldBeRead) {
   std::string text;
   for (int i = 0; i < 9; ++i) text += "a/g:\t1\t2\t3\t4\t5\t6\r\n";
-  for (const char* options : {"--gyro-protocol text", "", "--gyro-protocol text --prefix G,"}) {
+  for (const char* options :
+       {"--gyro-protocol witmotion", "--prefix G,", "--gyro-protocol text --prefix G,"}) {
     const Outcome outcome = run_on_text(options, text);
     EXPECT_EQ(outcome.code, 4);
     EXPECT_THAT(outcome.err, HasSubstr("\"a/g:\\t1\\t2\\t3\\t4\\t5\\t6\" (7 columns)"));
@@ -160,6 +166,62 @@ TEST_F(Decode, ShowsALineAndTheOptionsThatMayReadItWhereNoneCouldBeRead) {
   }
   EXPECT_EQ(run_on_text("--gyro-protocol text --prefix a/g: --columns 3,4,5 --scale 0.00763359", text).code,
             0);
+}
+
+std::string lines_of(const char* format) {
+  std::string text;
+  for (int i = 10; i < 30; ++i) text += fmt::format(fmt::runtime(format), i) + "\r\n";
+  return text;
+}
+
+TEST_F(Decode, RecognisesAGyroByTheWordsOnItsLines) {
+  const std::string text =
+      lines_of("Accel X: 0.{0} Y: 0.2 Z: 9.8 m/s^2\nRotation X: 0.{0}, Y: -0.02, Z: 0.35 rad/s");
+  const Outcome outcome = run_on_text("", text);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("line  Rotation X: 0.10, Y: -0.02, Z: 0.35 rad/s\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("read  prefix \"Rotation X:\", columns 0,2,4 as x,y,z, 57.2958 deg/s a unit"));
+  EXPECT_THAT(outcome.out, HasSubstr("their unit is rad/s, as the words say"));
+  EXPECT_THAT(outcome.out, HasSubstr("z   +20.054 deg/s"));
+  EXPECT_THAT(outcome.out, HasSubstr("note  2 decimals are steps of 0.573 deg/s"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("other columns")));
+  const nlohmann::json summary = run_on_text("--json", text).lines().back();
+  EXPECT_EQ(summary["gyro_protocol"], "text");
+  EXPECT_EQ(summary["text_format"]["columns"], nlohmann::json({0, 2, 4}));
+  EXPECT_EQ(summary["counters"]["messages"], 20);
+}
+
+TEST_F(Decode, AsksForWhatTheLinesDoNotSay) {
+  for (const auto& [line, question, option] :
+       {std::tuple{"{{\"gx\":0.{},\"gy\":0.2,\"gz\":0.3}}", "in which unit", "57.2958 for rad/s"},
+        std::tuple{"GyX = {} | GyY = 2 | GyZ = 3", "how many counts are a deg/s", "1/131, 1/65.5"},
+        std::tuple{"0.{},0.2,0.3", "nothing on the lines says which columns", "--columns 0,1,2"},
+        std::tuple{"ypr\t{}.5\t2.1\t3.2", "angles, no rates", "rates in deg/s"},
+        std::tuple{"0,{};1,20;-3,50", "decimal commas", "print points"}}) {
+    const Outcome outcome = run_on_text("", lines_of(line));
+    EXPECT_EQ(outcome.code, 4) << line;
+    EXPECT_THAT(outcome.err, HasSubstr(question));
+    EXPECT_THAT(outcome.err, HasSubstr(option));
+    EXPECT_THAT(outcome.err, Not(HasSubstr("baud")));
+  }
+}
+
+TEST_F(Decode, BlamesTheBaudRateOfBytesWithoutSense) {
+  Bytes noise;
+  for (std::uint32_t i = 0, random = 7; i < 20000; ++i)
+    noise.push_back(static_cast<std::uint8_t>((random = random * 1664525U + 1013904223U) >> 24U));
+  write("noise.bin", noise);
+  EXPECT_THAT(run("decode --device gyro noise.bin").err, HasSubstr("try: another baud rate"));
+}
+
+TEST_F(Decode, NamesLinesThatAreLongerThanTheLimit) {
+  std::string text;
+  for (int i = 0; i < 20; ++i)
+    text += fmt::format("gx_dps:{},gy_dps:2,gz_dps:3,{}\n", i, std::string(5000, '7'));
+  EXPECT_THAT(run_on_text("", text).err, HasSubstr("its lines have 5027 bytes, the limit is 4096"));
+  for (int i = 0; i < 40; ++i) text += "1,2,3\n";
+  EXPECT_THAT(run_on_text("--gyro-protocol text", text).out, HasSubstr("note  20 lines were left out"));
 }
 
 TEST_F(Decode, ShowsTheFirstLineOfTextThatHoldsNoRates) {
@@ -259,7 +321,7 @@ TEST_F(Decode, TakesAnImageAsTextForNoGyro) {
   const Outcome outcome = run("decode --device camera dump.txt");
   EXPECT_EQ(outcome.code, 4);
   EXPECT_THAT(outcome.err, Not(HasSubstr("--device gyro")));
-  EXPECT_THAT(outcome.err, HasSubstr("(768 columns): an image as text, which no option reads"));
+  EXPECT_THAT(outcome.err, HasSubstr("an image as text, 768 numbers a line"));
 }
 
 TEST_F(Decode, RefusesAFileThatIsEmptyMissingOrAFolder) {

@@ -2,6 +2,7 @@
 // What `thermorig ports` says of devices that it heard.
 #include "record/found_ports.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -25,11 +26,11 @@ std::vector<std::uint8_t> gyro_words() {
   return {packet.begin(), packet.end()};
 }
 
-/// A gyro that prints its milliseconds and three rates; 50 lines a second.
-rig::test::VirtualPorts::Speaker gyro_lines() {
-  return [ms = 1000]() mutable {
+/// A gyro that prints a line with a number that grows; 50 lines a second.
+rig::test::VirtualPorts::Speaker gyro_lines(const char* format) {
+  return [format, ms = 1000]() mutable {
     ms += 20;
-    const std::string line = std::to_string(ms) + ",0.5,-1.25," + std::to_string(ms % 3) + "\r\n";
+    const std::string line = fmt::format(fmt::runtime(format), ms);
     return std::vector<std::uint8_t>(line.begin(), line.end());
   };
 }
@@ -84,18 +85,40 @@ TEST_F(PortsThatWereHeard, OfOneRoleAreNotedAndNothingToRecordWithIsSuggested) {
   EXPECT_EQ(json_of(two_gyros)["saved"], "./found.toml");
 }
 
-TEST_F(PortsThatWereHeard, BringTheColumnsOfATextGyroIntoTheProfileToBeChecked) {
-  const FoundPorts text_gyro = found({ports_.add(gyro_lines())});
+TEST_F(PortsThatWereHeard, BringTheColumnsOfATextGyroIntoTheProfileWhereItsLinesSayThem) {
+  const FoundPorts text_gyro = found({ports_.add(gyro_lines("gx:{}.5,gy:-1.25,gz:0.5 rad/s\r\n"))});
   const std::string text = text_of(text_gyro);
-  EXPECT_THAT(text, HasSubstr(",0.5,-1.25,"));
-  EXPECT_THAT(text, HasSubstr("taken: no prefix, columns 1,2,3 as x,y,z, 1 deg/s a unit, time in column 0 "
-                              "(0.001 s"));
-  EXPECT_THAT(text, HasSubstr("check scale and columns"));
+  EXPECT_THAT(text, HasSubstr(".5,gy:-1.25,"));
+  EXPECT_THAT(text, HasSubstr("why: columns 0,1,2 are the rates by the words \"gx\"; their unit is rad/s"));
+  EXPECT_THAT(text, HasSubstr("taken: no prefix, columns 0,1,2 as x,y,z, 57.2958 deg/s a unit"));
   const std::string profile = rig::profile_text(text_gyro.profile);
-  EXPECT_THAT(profile, HasSubstr("x_column = 1"));
-  EXPECT_THAT(profile, HasSubstr("z_column = 3"));
-  EXPECT_THAT(profile, HasSubstr("time_column = 0"));
-  EXPECT_EQ(json_of(text_gyro)["ports"][0]["text_format"]["columns"], nlohmann::json({1, 2, 3}));
+  EXPECT_THAT(profile, HasSubstr("protocol = \"text\""));
+  EXPECT_THAT(profile, HasSubstr("output_rate_hz = 50"));
+  EXPECT_EQ(json_of(text_gyro)["ports"][0]["text_format"]["columns"], nlohmann::json({0, 1, 2}));
+}
+
+TEST_F(PortsThatWereHeard, SaveNoTextGyroThatIsAGuessAndSayWhichLinesToFillIn) {
+  const FoundPorts bare =
+      found({ports_.add(gyro_lines("{},0.5,-1.25,0.75\r\n"))}, {"./found.toml", "./found.toml"});
+  const std::string text = text_of(bare);
+  EXPECT_THAT(text, HasSubstr("not taken: nothing on the lines says which columns are the rates"));
+  EXPECT_THAT(text, HasSubstr("z_column = 3  # a guess"));
+  EXPECT_THAT(text, HasSubstr("scale_dps = ?  # 1 for deg/s, 57.2958 for rad/s"));
+  EXPECT_EQ(bare.profile.gyro.link.port, "");
+  const FoundPorts counts = found({ports_.add(gyro_lines("GyX = {} | GyY = 2 | GyZ = 3\r\n"))});
+  EXPECT_THAT(text_of(counts), HasSubstr("scale_dps = ?  # 1/131 = 0.00763359"));
+  EXPECT_EQ(counts.profile.gyro.link.port, "");
+  EXPECT_EQ(json_of(counts)["ports"][0]["text_format"]["scale_known"], false);
+}
+
+TEST_F(PortsThatWereHeard, TellWhatToDoAboutWhatCannotBeRecorded) {
+  const FoundPorts angles = found({ports_.add(gyro_lines("ypr\t{}.5\t2.10\t3.20\r\n"))});
+  const std::string text = text_of(angles);
+  EXPECT_THAT(
+      text,
+      HasSubstr("sends lines of text: its lines hold angles, no rates of turn\n  try: make the sketch"));
+  EXPECT_THAT(text, HasSubstr("missing  camera, gyro, servo"));
+  EXPECT_NE(json_of(angles)["ports"][0]["advice"], "");
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ void require_finite(thermorig::sensors::GyroScanner scanner, thermorig::test::By
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace thermorig;
   const test::ByteSpan input(data, size);
-  constexpr std::size_t pending_max = 10 + 255 + 2 + 13 + 1;  // the longest packet, and the byte behind it
+  // The longest packet, and behind it the time that a log has there and a sync.
+  constexpr std::size_t pending_max = 10 + 255 + 2 + 13 + 8 + 1;
   for (const double raw_scale_dps : {0.0, 0.01}) {
     const auto scanner = sensors::gyro_scanner(
         {.protocol = "mavlink", .settings = {{"raw_scale_dps", raw_scale_dps}, {"message", 0.0}}});

@@ -237,6 +237,8 @@ TEST(OtherBytes, AreNamedWhereTheyAreKnown) {
   EXPECT_THAT(refusal_of(""), testing::StartsWith("it is empty"));
   EXPECT_THAT(refusal_of("\x89HDF\r\n\x1a\n rest"), testing::StartsWith("it is an HDF5 file"));
   EXPECT_THAT(refusal_of(std::string("PK\x03\x04 rest")), testing::HasSubstr("torch.onnx.export"));
+  EXPECT_THAT(refusal_of("version https://git-lfs.github.com/spec/v1\noid sha256:01\nsize 9\n"),
+              testing::HasSubstr("git lfs pull"));
   EXPECT_THAT(refusal_of("#!/bin/sh\nexit 0\n"), testing::StartsWith("it is no ONNX file"));
   EXPECT_THAT(refusal_of(std::string(1000, '\0')), testing::StartsWith("it is no ONNX file"));
   EXPECT_THAT(refusal_of(std::string(1000, '\xff')), testing::StartsWith("it is no ONNX file"));

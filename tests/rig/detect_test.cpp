@@ -11,6 +11,7 @@
 #include <iterator>
 
 #include "simulated_bus.h"
+#include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::rig::test {
@@ -38,7 +39,7 @@ std::vector<std::uint8_t> as_bytes(const std::string& text) {
 TEST(Classify, TellsTheThreeDevicesApart) {
   for (const Device device : all_devices) {
     const Evidence evidence = classify(bytes_of(device));
-    EXPECT_EQ(evidence.role, device) << name_of(device) << ": " << evidence.text;
+    EXPECT_EQ(evidence.role, device) << name_of(device) << ": " << evidence.found.text;
   }
   EXPECT_EQ(classify(bytes_of(Device::gyro)).protocol, "witmotion");
 }
@@ -49,16 +50,16 @@ TEST(Classify, KnowsAGyroThatPrintsLines) {
   const Evidence evidence = classify(as_bytes(text));
   EXPECT_EQ(evidence.role, Device::gyro);
   EXPECT_EQ(evidence.protocol, "text");
-  EXPECT_EQ(evidence.messages, 20U);
-  ASSERT_TRUE(evidence.text_format.has_value());
-  EXPECT_EQ(evidence.text_format->columns.prefix, "a/g:");
-  EXPECT_EQ(evidence.text_format->columns.rate, (std::array<int, 3>{3, 4, 5}));
+  EXPECT_EQ(evidence.found.messages, 20U);
+  ASSERT_TRUE(evidence.found.text_format.has_value());
+  EXPECT_EQ(evidence.found.text_format->columns.prefix, "a/g:");
+  EXPECT_EQ(evidence.found.text_format->columns.rate, (std::array<int, 3>{3, 4, 5}));
 }
 
 TEST(Classify, TellsTheUnitOfATextGyrosClockByHowLongItListened) {
   std::string text = "ms,gx,gy,gz\n";
   for (int i = 0; i < 20; ++i) text += std::to_string(1000 + 2 * i) + ",0.5,-1,2\n";
-  EXPECT_EQ(classify(as_bytes(text), 0.04).text_format->columns.time_unit_s, 1e-3);
+  EXPECT_EQ(classify(as_bytes(text), 0.04).found.text_format->columns.time_unit_s, 1e-3);
 }
 
 TEST(Classify, KnowsAFlightController) {
@@ -67,19 +68,23 @@ TEST(Classify, KnowsAFlightController) {
   const Evidence evidence = classify(bytes_of(Device::gyro, 0.5, config));
   EXPECT_EQ(evidence.role, Device::gyro);
   EXPECT_EQ(evidence.protocol, "mavlink");
-  EXPECT_GE(evidence.messages, 98U);
+  EXPECT_GE(evidence.found.messages, 98U);
   EXPECT_GT(evidence.explained_share, 0.95);
 }
 
 TEST(Classify, DoesNotGuess) {
   EXPECT_FALSE(classify({}).role);
-  EXPECT_EQ(classify({}).text, "silent");
+  EXPECT_EQ(classify({}).found.text, "silent");
   std::vector<std::uint8_t> noise;
   std::uint32_t random = 7;
   for (int i = 0; i < 20000; ++i)
     noise.push_back(static_cast<std::uint8_t>((random = random * 1664525U + 1013904223U) >> 24U));
   EXPECT_FALSE(classify(noise).role);
-  EXPECT_FALSE(classify(as_bytes("hello\nworld\nnothing here 1 2\nand more\n")).role);
+  const Evidence text = classify(as_bytes("hello\nworld\nnothing here 1 2\nand more\n"));
+  EXPECT_FALSE(text.role);
+  EXPECT_THAT(text.found.text, HasSubstr("\"hello\""));
+  EXPECT_THAT(text.found.advice, HasSubstr("its baud rate is right"));
+  EXPECT_EQ(classify(noise).found.advice, "");
   auto wrong_baud = bytes_of(Device::camera);
   for (std::uint8_t& byte : wrong_baud) byte = static_cast<std::uint8_t>(byte & 0xB6U);
   EXPECT_FALSE(classify(wrong_baud).role);
@@ -106,6 +111,7 @@ PortFinding finding(const std::string& path, Device device, std::uint32_t baud) 
   found.info.usb_path = "1-4";
   found.role = device;
   found.baud = baud;
+  found.protocol = sensors::device_stream(device, RigProfile()).protocol;
   return found;
 }
 
@@ -130,7 +136,54 @@ PortFinding text_gyro_finding() {
   found.text_format.emplace();
   found.text_format->columns.rate = {1, 2, 3};
   found.text_format->columns.time = 0;
+  found.text_format->rates_known = found.text_format->scale_known = true;
+  found.rate_hz = 98.63;
   return found;
+}
+
+TEST(Classify, GivesNoRoleToWhatCannotBeRecordedButAnAdvice) {
+  std::string angles, pairs;
+  for (int i = 10; i < 40; ++i) angles += "ypr\t" + std::to_string(i) + ".5\t2.1\t3.2\r\n";
+  for (int i = 10; i < 40; ++i) pairs += "55 52 " + std::to_string(i) + " 00 EC FF 00 08 5A 0A 07\n";
+  for (const std::string& text : {angles, pairs}) {
+    const Evidence evidence = classify(as_bytes(text));
+    EXPECT_FALSE(evidence.role) << evidence.found.text;
+    EXPECT_NE(evidence.found.advice, "");
+  }
+}
+
+TEST(Findings, BringTheRateThatWasMeasuredUnlessItIsTheProfiles) {
+  std::vector<std::string> ambiguous;
+  EXPECT_DOUBLE_EQ(apply_findings(default_profile, {text_gyro_finding()}, ambiguous).gyro.output_rate_hz,
+                   98.6);
+  PortFinding packets = finding("/dev/ttyUSB0", Device::gyro, 115200);
+  packets.protocol = "witmotion";
+  packets.rate_hz = 197.0;
+  EXPECT_EQ(apply_findings(default_profile, {packets}, ambiguous).gyro.output_rate_hz, 200.0);
+  packets.protocol = "mavlink";  // which is told its rate
+  packets.rate_hz = 10.0;
+  packets.settings = {{"message", 27.0}};
+  const RigProfile controller = apply_findings(default_profile, {packets}, ambiguous);
+  EXPECT_EQ(controller.gyro.output_rate_hz, 200.0);
+  EXPECT_EQ(controller.gyro.settings.at("message"), 27.0);
+}
+
+TEST(Findings, LeaveAGyroOutWhoseColumnsOrUnitAreAGuess) {
+  std::vector<std::string> ambiguous;
+  for (const bool rates_known : {false, true}) {
+    PortFinding guessed = text_gyro_finding();
+    guessed.text_format->rates_known = rates_known;
+    guessed.text_format->scale_known = false;
+    const RigProfile profile = apply_findings(default_profile, {guessed}, ambiguous);
+    EXPECT_EQ(profile.gyro.link.port, "");
+    EXPECT_EQ(profile.gyro.protocol, "witmotion");
+    RigProfile edited;  // by a person who knows them
+    edited.gyro.protocol = "text";
+    edited.gyro.text.rate = {5, 6, 7};
+    const RigProfile kept = apply_findings(edited, {guessed}, ambiguous);
+    EXPECT_EQ(kept.gyro.link.port, "/dev/ttyUSB0");
+    EXPECT_EQ(kept.gyro.text.rate, (std::array<int, 3>{5, 6, 7}));
+  }
 }
 
 TEST(Findings, BringTheColumnsOfATextGyro) {

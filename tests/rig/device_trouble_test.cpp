@@ -105,6 +105,30 @@ TEST(Trouble, GarbageInTheMiddleIsNamedAndWaitedFor) {
   }
 }
 
+TEST(Trouble, LinesThatGoOnWithAnotherColumnAreTold) {
+  simulation::VirtualRigConfig config = simulation::default_rig(4, "kitchen");
+  config.profile.gyro.protocol = "text";
+  Troubled run;
+  run.options.recording.profile = config.profile;
+  SimulatedBus bus(config);
+  bus.from_device[index_of(Device::gyro)] = [](std::vector<std::uint8_t> bytes, HostTime now) {
+    std::vector<std::uint8_t> changed;
+    for (const std::uint8_t byte : bytes) {
+      if (byte == '\r' && now > at_s(6.0)) changed.insert(changed.end(), {',', '7'});
+      changed.push_back(byte);
+    }
+    return changed;
+  };
+  const RecordingResult result = record_virtual(bus, run.options);
+  const auto warnings = run.told(EventKind::warning);
+  EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(),
+                          [](const std::string& message) {
+                            return message.find("another number of columns") != std::string::npos;
+                          }),
+            1)
+      << result.message;
+}
+
 TEST(Trouble, EndlessGarbageEndsItWithAdvice) {
   Troubled run(6.0);
   run.bus.from_device[index_of(Device::camera)] = garbage(4.0, 1000.0);

@@ -5,6 +5,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "simulation/gyro.h"
 #include "thermorig/rig/discovery/detect.h"
 #include "thermorig/sensors/wire/device_bytes.h"
@@ -96,6 +100,79 @@ TEST_F(Detection, GuessesTheColumnsOfAGyroThatPrintsLines) {
   EXPECT_EQ(findings[0].text_format->columns.rate, (std::array<int, 3>{1, 2, 3}));
   EXPECT_EQ(findings[0].text_format->columns.time, 0);
   EXPECT_EQ(findings[0].text_format->columns.time_unit_s, 1e-3);
+  EXPECT_FALSE(findings[0].is_known());
+  EXPECT_NEAR(findings[0].rate_hz, 50.0, 1.0);
+}
+
+TEST_F(Detection, MeasuresTheRateOfABoardThatBootsFirst) {
+  const auto boots = [tick = 0]() mutable {
+    const std::string line = ++tick < 20 ? "" : fmt::format("gx:{}.5 gy:1 gz:2 dps\r\n", tick % 7);
+    return std::vector<std::uint8_t>(line.begin(), line.end());
+  };
+  const auto findings = identify({ports_.add(boots)});
+  EXPECT_EQ(findings.at(0).role, Device::gyro);
+  EXPECT_TRUE(findings[0].is_known()) << findings[0].how;
+  EXPECT_NEAR(findings[0].rate_hz, 50.0, 2.0);
+}
+
+TEST_F(Detection, WaitsForASketchThatPrintsTwiceASecond) {
+  const auto slow = [tick = 0]() mutable {
+    std::string line;
+    if (++tick % 25 == 0)
+      line = fmt::format("temp: 25\r\nRotation X: 0.{}, Y: 0.02, Z: 0.03 rad/s\r\n\r\n", tick % 7);
+    return std::vector<std::uint8_t>(line.begin(), line.end());
+  };
+  const auto findings = identify({ports_.add(slow)});
+  EXPECT_EQ(findings.at(0).role, Device::gyro) << findings[0].how;
+  EXPECT_NEAR(findings[0].rate_hz, 2.0, 0.3);
+}
+
+/// Ten bare columns, of which the seventh is the rate about the vertical axis, in counts of 1/65.5 deg/s. It
+/// lies still for two seconds and turns by 100 deg in the next two.
+std::vector<std::uint8_t> turned_line(double seconds) {
+  const double phase = std::clamp((seconds - 2.0) / 2.0, 0.0, 1.0);
+  const double rate_dps = 100.0 * 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * phase));
+  const double angle = 100.0 * (phase - std::sin(2.0 * std::numbers::pi * phase) / (2.0 * std::numbers::pi));
+  const double heading = (angle + 20.0) * std::numbers::pi / 180.0;
+  const int wobble = static_cast<int>(seconds * 1000.0) % 7 - 3;
+  const std::string line =
+      fmt::format("{:.0f},{:.2f},{:.2f},{:.2f},{},{},{:.0f},{:.2f},{:.2f},{:.2f}\r\n", seconds * 1e3,
+                  0.01 * wobble, -0.02 * wobble, 9.81 + 0.01 * wobble, wobble, 40 - wobble,
+                  -65.5 * rate_dps + wobble, 20.0 * std::cos(heading), 20.0 * std::sin(heading), angle);
+  return {line.begin(), line.end()};
+}
+
+TEST_F(Detection, FindsTheColumnAndTheUnitThatATurnByHandShows) {
+  PortFinding finding;
+  finding.info.path = ports_.add([tick = 0]() mutable { return turned_line(0.02 * ++tick); });
+  finding.role = Device::gyro;
+  finding.protocol = "text";
+  std::vector<std::uint8_t> still;
+  for (int i = 1; i < 50; ++i) {
+    const auto line = turned_line(0.02 * i);
+    still.insert(still.end(), line.begin(), line.end());
+  }
+  finding.text_format = classify(still).found.text_format;
+  ASSERT_TRUE(finding.text_format.has_value());
+  ASSERT_FALSE(finding.is_known());
+  const auto turned = hear_hand_turn(finding, ports_);
+  ASSERT_TRUE(turned.has_value());
+  EXPECT_TRUE(turned->is_known());
+  EXPECT_EQ(turned->text_format->columns.rate, (std::array<int, 3>{4, 5, 6}));
+  EXPECT_EQ(turned->axis, 2);
+  EXPECT_NEAR(turned->text_format->columns.scale_dps, 1.0 / 65.5, 1e-9);
+  EXPECT_THAT(turned->text_format->assumptions,
+              ::testing::ElementsAre(HasSubstr("column 6 turned, by 100 deg")));
+  std::vector<std::string> ambiguous;
+  EXPECT_EQ(apply_findings(RigProfile{}, {*turned}, ambiguous).gyro.text.rate[2], 6);
+}
+
+TEST_F(Detection, LearnsNothingOfAGyroThatNobodyTurned) {
+  PortFinding finding;
+  finding.info.path = ports_.add([tick = 0]() mutable { return turned_line(0.001 * (++tick % 1000)); });
+  finding.text_format = classify(turned_line(0.02)).found.text_format.value_or(sensors::TextFormat());
+  finding.text_format->fields = 10;
+  EXPECT_FALSE(hear_hand_turn(finding, ports_).has_value());
 }
 
 TEST_F(Detection, KnowsAFlightController) {

@@ -100,6 +100,26 @@ const Definition heartbeat{"HEARTBEAT",
                             {"uint8_t", "system_status"},
                             {"uint8_t", "mavlink_version"}}};
 
+/// A packet of version 2 from system 1.
+ByteVector packet_v2(const mavlink::Message& message, const ByteVector& payload) {
+  ByteVector packet{mavlink::sync_v2,
+                    static_cast<std::uint8_t>(payload.size()),
+                    0,
+                    0,
+                    0,
+                    1,
+                    1,
+                    static_cast<std::uint8_t>(message.id),
+                    0,
+                    0};
+  append(packet, payload);
+  const std::string checked =
+      std::string(packet.begin() + 1, packet.end()) + static_cast<char>(message.crc_extra);
+  const std::uint16_t crc = mcrf4xx(checked);
+  append(packet, ByteVector{static_cast<std::uint8_t>(crc & 0xFFU), static_cast<std::uint8_t>(crc >> 8)});
+  return packet;
+}
+
 TEST(MavlinkMessages, HaveTheChecksumOfTheirCatalogue) {
   EXPECT_EQ(mcrf4xx("123456789"), 0x6F91);
 }
@@ -116,6 +136,7 @@ TEST(MavlinkMessages, HaveTheCrcExtraAndTheSizeOfTheirDefinitions) {
 }
 
 TEST(MavlinkMessages, HaveTheirFieldsWhereTheDefinitionsPutThem) {
+  EXPECT_EQ(mavlink::heartbeat_autopilot, heartbeat.offset("autopilot"));
   EXPECT_EQ(mavlink::scaled_imu_time_ms, scaled_imu.offset("time_boot_ms"));
   EXPECT_EQ(mavlink::scaled_imu_gyro, scaled_imu.offset("xgyro"));
   EXPECT_EQ(mavlink::raw_imu_time_us, raw_imu.offset("time_usec"));
@@ -265,7 +286,43 @@ TEST(MavlinkEvidence, NamesAControllerThatSendsNoGyro) {
       sensors::gyro_protocol("mavlink").recognise(heartbeat_only + heartbeat_only + heartbeat_only, 3.0);
   ASSERT_TRUE(evidence.has_value());
   EXPECT_EQ(evidence->messages, 0U);
-  EXPECT_THAT(evidence->text, HasSubstr("none of SCALED_IMU"));
+  EXPECT_EQ(evidence->text, "no IMU message among 3 good MAVLink packets");
+  EXPECT_THAT(evidence->advice, HasSubstr("HIGHRES_IMU or SCALED_IMU"));
+}
+
+TEST(MavlinkEvidence, KnowsTheUnitOfRawCountsByTheControllersKind) {
+  const ByteVector raw = vector_named("raw_imu_scale_stated");
+  const auto of_kind = [&](std::uint8_t autopilot) {
+    const ByteVector payload{0, 0, 0, 0, 2, autopilot, 81, 3, 3};
+    const ByteVector kind = packet_v2(mavlink::heartbeat, payload);
+    return sensors::gyro_protocol("mavlink").recognise(raw + kind + raw, 3.0);
+  };
+  const auto ardupilot = of_kind(mavlink::autopilot_ardupilot);
+  ASSERT_TRUE(ardupilot.has_value());
+  EXPECT_EQ(ardupilot->messages, 2U) << "those before the heartbeat, too";
+  EXPECT_EQ(ardupilot->advice, "");
+  EXPECT_EQ(ardupilot->settings.at("message"), 27);
+  EXPECT_NEAR(ardupilot->settings.at("raw_scale_dps"), 0.0573, 1e-4);
+  const auto other = of_kind(12);
+  ASSERT_TRUE(other.has_value());
+  EXPECT_THAT(other->text, HasSubstr("RAW_IMU"));
+  EXPECT_THAT(other->advice, HasSubstr("raw_scale_dps"));
+}
+
+TEST(MavlinkScanner, ReadsTheLogOfAGroundStationWithoutALoss) {
+  const ByteVector sample = vector_named("scaled_imu");
+  const ByteVector unknown = packet_v2({30, 39, 28, 28}, ByteVector(28, 7));
+  ByteVector log;
+  for (std::uint8_t i = 0; i < 20; ++i) {
+    append(log, ByteVector{0x00, 0x06, 0x0A, 0x24, 0x18, 0x1E, i, 0xFD});
+    append(log, i % 3 == 1 ? unknown : sample);
+  }
+  const auto scan = scan_any_chunking<GyroMessage>(mavlink_scanner(), log, Stream::ends);
+  EXPECT_EQ(scan.messages.size(), 13U);
+  EXPECT_EQ(scan.counters.replies, 7U);
+  EXPECT_EQ(scan.counters.resyncs, 0U);
+  EXPECT_EQ(scan.counters.bytes_skipped, 8 * 20U);
+  for (const GyroMessage& message : scan.messages) EXPECT_FALSE(message.lost_before);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 namespace thermorig::test {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -70,7 +71,9 @@ TEST(TextFormat, TakesNoRateForTheClock) {
   ASSERT_TRUE(format.has_value());
   EXPECT_EQ(format->columns.time, -1);
   EXPECT_THAT(format->columns.rate, ElementsAre(1, 2, 3));
-  EXPECT_THAT(format->assumptions, ElementsAre(HasSubstr("columns 1,2,3 are taken as the rates")));
+  EXPECT_THAT(format->assumptions,
+              Contains(HasSubstr("columns 1,2,3 are taken as the rates, which is a guess")));
+  EXPECT_FALSE(format->is_known());
 }
 
 TEST(TextFormat, GoesByTheNamesThatColumnsCarry) {

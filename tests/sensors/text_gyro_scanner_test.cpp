@@ -118,6 +118,8 @@ TEST(TextGyroScanner, FollowsADeviceThatChangesItsNumberOfColumns) {
   const auto scan = scan_text("x\n1,2,3\n1,2,3\n1,2,3,25\n1,2,3,25\n1,2,3,25\n");
   EXPECT_EQ(scan.messages.size(), 4U);
   EXPECT_EQ(scan.counters.bad_value, 1U);
+  EXPECT_EQ(scan.counters.layout_changes, 1U) << "which is told: the columns may mean something else";
+  EXPECT_EQ(scan_text("x\n1,2,3\n4,5,67,8,9\n1,2,3\n1,2,3\n").counters.layout_changes, 0U);
 }
 
 TEST(TextGyroScanner, DoesNotTrustAFirstLineThatMayBeATail) {
@@ -204,14 +206,14 @@ TEST(TextGyroScanner, HoldsNoMoreThanOneLine) {
   EXPECT_EQ(scan.counters.bad_length, 1U);
   EXPECT_EQ(scan.counters.resyncs, 1U);
 
-  const auto endless = scan_text(std::string(3000, 'a'), i2cdevlib_columns());
+  const auto endless = scan_text(std::string(30000, 'a'), i2cdevlib_columns());
   EXPECT_EQ(endless.counters.bytes_pending, 0U);
-  EXPECT_EQ(endless.counters.bytes_skipped, 3000U);
+  EXPECT_EQ(endless.counters.bytes_skipped, 30000U);
 }
 
 TEST(TextGyroScanner, TakesALineOfExactlyTheLongestLength) {
   const std::string sample = "1,2,3";
-  const std::string padding(256 - sample.size(), ' ');
+  const std::string padding(4096 - sample.size(), ' ');
   EXPECT_EQ(scan_text("x\n" + sample + padding + "\n").messages.size(), 1U);
   EXPECT_EQ(scan_text("x\n" + sample + padding + " \n").counters.bad_length, 1U);
 }

@@ -59,6 +59,15 @@ TEST_F(Sealed, CanBeHandedOnAsADescriptor) {
   EXPECT_EQ(other.path(), "somewhere");
 }
 
+TEST_F(Sealed, IsNotMadeOfAGitLfsPointer) {
+  const std::string pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:01\nsize 84321\n";
+  write_file(path(), {pointer.begin(), pointer.end()});
+  const Error error = error_of([&] { sandbox::SealedCopy copy(path()); });
+  EXPECT_EQ(error.code(), ExitCode::not_a_session);
+  EXPECT_THAT(error.what_happened(), HasSubstr("Git LFS pointer"));
+  EXPECT_THAT(error.advice(), HasSubstr("git lfs pull"));
+}
+
 TEST_F(Sealed, CanBeSentThroughASocket) {
   const sandbox::SealedCopy copy(path());
   ASSERT_TRUE(copy.send_bytes(ends_[0]));

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -38,12 +39,20 @@ inline constexpr std::chrono::milliseconds command_gap{100};
 
 /// One that some bytes may come from.
 struct Recognised {
-  Device role;
+  std::optional<Device> role;  // none: no protocol of any table reads it
   std::string_view protocol;
   Evidence evidence;
+
+  /// It can be recorded.
+  bool is_usable() const { return role && evidence.advice.empty(); }
 };
 
-/// All that recognise the bytes, which came in `heard_s` seconds (0: not known).
+/// Streams that are sound, and that no protocol of the tables reads: what they are, and what to do about it.
+/// Nothing if the bytes are none of them.
+std::optional<Evidence> recognise_foreign(std::span<const std::uint8_t> bytes);
+
+/// All that recognise the bytes, which came in `heard_s` seconds (0: not known): this is the one table that
+/// ports, dumps and silent devices are judged by. What no protocol reads comes first, and excludes text.
 std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double heard_s);
 
 /// A stretch of a search at one baud rate.

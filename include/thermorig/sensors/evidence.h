@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -11,10 +12,12 @@ namespace thermorig::sensors {
 
 /// Why some bytes look like those of one protocol.
 struct Evidence {
-  std::uint64_t messages = 0;             // frames, samples, telemetry and answers
-  std::uint64_t bytes = 0;                // in good messages of any kind
-  std::string text;                       // "12 WitMotion gyro packets"
-  std::optional<TextFormat> text_format;  // of lines of text: a guess
+  std::uint64_t messages = 0;              // frames, samples, telemetry and answers
+  std::uint64_t bytes = 0;                 // in good messages of any kind
+  std::string text;                        // "12 WitMotion gyro packets"
+  std::optional<TextFormat> text_format;   // of lines of text: how they are read
+  std::string advice;                      // it cannot be used as it is: what to try; else empty
+  std::map<std::string, double> settings;  // what the profile has to say of a gyro that sends these
 };
 
 /// A baud rate that devices of a protocol are usually set to.

@@ -44,6 +44,7 @@ struct GyroProtocol {
   /// What it is told or asked when its port opens and while nothing comes; `asked`: how often already, in
   /// vain. What makes it send samples, where it does not by itself. None: it hears nothing.
   std::vector<std::uint8_t> (*request)(const GyroProfile& profile, unsigned asked) = nullptr;
+  bool is_told_rate = false;  // the request says the profile's rate: what comes without it has another
   /// The bandwidth of its low-pass, by what it answered among these bytes. Nothing: they do not say. None: it
   /// cannot be asked.
   std::optional<double> (*bandwidth_hz)(std::span<const std::uint8_t> bytes) = nullptr;

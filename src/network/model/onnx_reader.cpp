@@ -12,6 +12,7 @@
 #include "tensor_values.h"
 #include "text.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/git_lfs.h"
 #include "thermorig/network/model/model.h"
 #include "wire_check.h"
 
@@ -34,6 +35,8 @@ void check_kind(std::span<const std::uint8_t> bytes) {
   if (bytes.size() > file_bytes_max)
     throw Refusal(fmt::format("it has {} MB; a model of this network has 4 at most", bytes.size() >> 20U));
   if (begins_with(bytes, "\x89HDF")) throw Refusal("it is an HDF5 file, perhaps a session, not a model");
+  if (is_git_lfs_pointer({reinterpret_cast<const char*>(bytes.data()), bytes.size()}))
+    throw Refusal("it is a Git LFS pointer: the file itself was not fetched", git_lfs_advice);
   if (begins_with(bytes, "PK"))
     throw Refusal("it is a zip archive, perhaps PyTorch's own kind of file, not ONNX",
                   "export the network with torch.onnx.export: docs/model_format.md shows how");

@@ -4,17 +4,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/device_stream.h"
+#include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/hand_turn.h"
 
 namespace thermorig::rig {
 
 namespace {
 
-constexpr double share_needed = 0.3;  // a short look begins and ends in the middle of a message
+constexpr double share_needed = 0.3;   // a short look begins and ends in the middle of a message
+constexpr double share_of_text = 0.5;  // of the time of a search: sketches print a sample or two a second
 constexpr auto listening_tick = std::chrono::milliseconds(20);
 constexpr auto greeting_period = std::chrono::milliseconds(200);
 
@@ -58,7 +62,9 @@ class Listener {
       loop_.write(*port_, step.greeting);
       last_greeting_ = now;
     }
-    if (share >= 1.0) judge(now);
+    const double wanted =
+        sensors::is_readable(bytes_) ? std::max(step.at.share, share_of_text) : step.at.share;
+    if (to_s(now - opened_) >= wanted * listen_s_) judge(now);
   }
 
  private:
@@ -70,7 +76,12 @@ class Listener {
     bytes_.clear();
     opened_ = now;
     PortLoop::PortHandlers handlers;
-    handlers.received = [this](std::span<const std::uint8_t> bytes, HostTime) {
+    handlers.received = [this](std::span<const std::uint8_t> bytes, HostTime arrived) {
+      if (bytes_.empty()) {
+        first_arrival_ = arrived;
+        first_chunk_bytes_ = bytes.size();
+      }
+      last_arrival_ = arrived;
       bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     };
     handlers.lost = [this](const std::string& why) { give_up(why); };
@@ -92,17 +103,30 @@ class Listener {
     loop_.close(*port_);
     port_.reset();
     const Evidence evidence = classify(bytes_, to_s(now - opened_));
-    if (!bytes_.empty()) finding_.how = evidence.text;
-    if (evidence.role) {
-      finding_.role = evidence.role;
-      finding_.baud = has_baud_ ? steps_[step_].at.baud : 0;
-      finding_.protocol = evidence.protocol;
-      finding_.text_format = evidence.text_format;
-      finding_.rate_hz = static_cast<double>(evidence.messages) / to_s(now - opened_);
-      step_ = steps_.size();
-    } else {
-      ++step_;
+    const bool is_named = evidence.explained_share > 0.0;
+    if (!bytes_.empty() && (is_named || finding_.advice.empty())) {
+      finding_.how = evidence.found.text;
+      finding_.advice = evidence.found.advice;
     }
+    ++step_;
+    if (!is_named) return;
+    finding_.role = evidence.role;
+    finding_.baud = has_baud_ ? steps_[step_ - 1].at.baud : 0;
+    finding_.protocol = evidence.protocol;
+    finding_.text_format = evidence.found.text_format;
+    finding_.settings = evidence.found.settings;
+    finding_.rate_hz = rate_hz(evidence.found, now);
+    step_ = steps_.size();
+  }
+
+  /// While it spoke: a board that was reset by the opening boots for a second. By the bytes, as the first
+  /// chunk may have waited in the system, and what is cut at either end is no message.
+  double rate_hz(const sensors::Evidence& found, HostTime now) const {
+    const auto heard = static_cast<double>(found.messages);
+    const double spoke_s = to_s(last_arrival_ - first_arrival_);
+    if (found.messages == 0 || spoke_s <= 0.0) return heard / to_s(now - opened_);
+    const double bytes_a_message = static_cast<double>(found.bytes) / heard;
+    return static_cast<double>(bytes_.size() - first_chunk_bytes_) / bytes_a_message / spoke_s;
   }
 
   PortLoop& loop_;
@@ -113,15 +137,31 @@ class Listener {
   std::size_t step_ = 0;
   std::optional<PortLoop::PortId> port_;
   std::vector<std::uint8_t> bytes_;
-  HostTime opened_{};
+  HostTime opened_{}, first_arrival_{}, last_arrival_{};
+  std::size_t first_chunk_bytes_ = 0;
   HostTime last_greeting_{};
 };
 
+/// A rate that is as near to the profile's as a short look can tell is the profile's.
+constexpr double same_rate = 0.03;
+
+/// Three digits, as a look of a second tells.
+double rounded_hz(double rate_hz) {
+  const double unit = std::pow(10.0, std::floor(std::log10(rate_hz)) - 2.0);
+  return std::round(rate_hz / unit) * unit;
+}
+
 void apply_gyro(const PortFinding& finding, GyroProfile& gyro) {
-  if (gyro.protocol == finding.protocol) return;
-  gyro.protocol = finding.protocol;
-  gyro.settings.clear();
-  if (finding.text_format) gyro.text = finding.text_format->columns;
+  const sensors::GyroProtocol& protocol = sensors::gyro_protocol(finding.protocol);
+  if (gyro.protocol != finding.protocol) {
+    gyro.protocol = finding.protocol;
+    gyro.settings = finding.settings;
+    if (finding.text_format) gyro.text = finding.text_format->columns;
+  }
+  if (finding.axis) gyro.axis = *finding.axis;
+  const bool is_other = std::abs(finding.rate_hz / gyro.output_rate_hz - 1.0) > same_rate;
+  if (!protocol.is_told_rate && finding.rate_hz >= 1.0 && is_other)
+    gyro.output_rate_hz = rounded_hz(finding.rate_hz);
 }
 
 /// "A and B", "A, B and C".
@@ -134,20 +174,28 @@ std::string listed(const std::vector<const PortFinding*>& findings) {
   return text;
 }
 
+/// What nothing recognises. Readable bytes came at the right baud rate.
+sensors::Evidence unknown_bytes(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return {.text = "silent"};
+  const auto line = sensors::first_text_line(bytes);
+  if (!line || !sensors::is_readable(bytes))
+    return {.text = fmt::format("{} bytes that no known device sends", bytes.size())};
+  return {.text = fmt::format("text without samples, such as \"{}\"", line->text.substr(0, 60)),
+          .advice = "its baud rate is right, as it can be read: it needs another sketch or setting"};
+}
+
 }  // namespace
 
 Evidence classify(std::span<const std::uint8_t> bytes, double heard_s) {
-  Evidence best{.text = bytes.empty() ? "silent"
-                                      : fmt::format("{} bytes that no known device sends", bytes.size())};
+  Evidence best;
+  best.found = unknown_bytes(bytes);
   for (sensors::Recognised& found : sensors::recognise(bytes, heard_s)) {
     const double share = static_cast<double>(found.evidence.bytes) / static_cast<double>(bytes.size());
     if (share < share_needed || share <= best.explained_share) continue;
-    best = {.role = found.role,
+    best = {.role = found.is_usable() ? found.role : std::nullopt,
             .protocol = std::string(found.protocol),
-            .messages = found.evidence.messages,
             .explained_share = share,
-            .text = std::move(found.evidence.text),
-            .text_format = std::move(found.evidence.text_format)};
+            .found = std::move(found.evidence)};
   }
   return best;
 }
@@ -172,6 +220,33 @@ std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports
   return findings;
 }
 
+std::optional<PortFinding> hear_hand_turn(PortFinding finding, PortLoop& loop) {
+  std::vector<std::uint8_t> bytes;
+  const HostTime begin = loop.now();
+  PortLoop::PortHandlers handlers;
+  std::optional<HostTime> first;
+  HostTime last = begin;
+  handlers.received = [&](std::span<const std::uint8_t> more, HostTime arrived) {
+    if (!first) first = arrived;
+    last = arrived;
+    bytes.insert(bytes.end(), more.begin(), more.end());
+  };
+  handlers.lost = [&](const std::string&) { loop.stop(); };
+  const PortLoop::PortId port = loop.open({.port = finding.info.path, .baud = finding.baud},
+                                          std::move(handlers), io::Refusal::names_holder);
+  loop.every(listening_tick, [&](HostTime now) {
+    if (to_s(now - begin) >= hand_turn_s) loop.stop();
+  });
+  loop.run();
+  loop.close(port);
+  if (!first || !finding.text_format) return std::nullopt;
+  const auto turn = sensors::turned_by_hand(bytes, *finding.text_format, to_s(last - *first));
+  if (!turn) return std::nullopt;
+  finding.text_format = turn->format;
+  finding.axis = turn->axis;
+  return finding;
+}
+
 RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& findings,
                           std::vector<std::string>& ambiguous) {
   for (const Device device : all_devices) {
@@ -182,6 +257,8 @@ RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& fi
       ambiguous.push_back(fmt::format("{} ports look like a {}: {}; name the right one with --{}",
                                       of_role.size(), name_of(device), listed(of_role), name_of(device)));
     if (of_role.size() != 1) continue;
+    const bool reads_text = device == Device::gyro && profile.gyro.protocol == of_role[0]->protocol;
+    if (!of_role[0]->is_known() && !reads_text) continue;  // a guess is not saved
     PortProfile& link = profile.link(device);
     link.port = of_role[0]->info.path;
     link.usb_path = of_role[0]->info.usb_path;

@@ -93,7 +93,7 @@ std::optional<Error> DevicePresence::verdict(HostTime now) const {
 Error DevicePresence::place_taken(const Evidence& evidence) const {
   return {ExitCode::device_lost,
           fmt::format("another device is on its port now: it sends {}, that is the {}, not the {}",
-                      evidence.text, name_of(*evidence.role), name_of(device_)),
+                      evidence.found.text, name_of(*evidence.role), name_of(device_)),
           place_, "plug each device into its own port again, then record again"};
 }
 

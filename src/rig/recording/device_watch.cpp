@@ -27,7 +27,7 @@ std::string what_it_sends(Device device) {
 
 Error other_role(Device device, const Evidence& evidence, ExitCode code, const std::string& where) {
   return {code,
-          fmt::format("it sends {}: that is the {}, not the {}", evidence.text, name_of(*evidence.role),
+          fmt::format("it sends {}: that is the {}, not the {}", evidence.found.text, name_of(*evidence.role),
                       name_of(device)),
           where, "`thermorig ports` finds the right port of each device"};
 }
@@ -35,11 +35,11 @@ Error other_role(Device device, const Evidence& evidence, ExitCode code, const s
 Error other_protocol(Device device, const Evidence& evidence, std::string_view expected,
                      const std::string& where) {
   return {ExitCode::device_missing,
-          fmt::format("it sends {}, where the rig profile expects {}", evidence.text, expected), where,
+          fmt::format("it sends {}, where the rig profile expects {}", evidence.found.text, expected), where,
           fmt::format("say protocol = \"{}\" in the [{}] section of the rig profile{}; "
                       "`thermorig ports --save NAME` writes one",
                       evidence.protocol, name_of(device),
-                      evidence.text_format ? ", and which columns hold the rates" : "")};
+                      evidence.found.text_format ? ", and which columns hold the rates" : "")};
 }
 
 /// Why nothing usable came from a device, from what did come.
@@ -56,9 +56,13 @@ Error silent_device(Device device, const RigProfile& profile, const FirstBytes& 
   const sensors::DeviceStream expected = sensors::device_stream(device, profile);
   if (evidence.role == device && evidence.protocol != expected.protocol)
     return other_protocol(device, evidence, expected.sends, where);
-  if (evidence.role == device && evidence.messages == 0)
-    return {ExitCode::device_missing, "it sends " + evidence.text, where,
-            fmt::format("set the device to send {}", what_it_sends(device))};
+  if (!evidence.found.advice.empty())
+    return {ExitCode::device_missing, "it sends " + evidence.found.text, where, evidence.found.advice};
+  if (evidence.role == device && evidence.found.text_format)
+    return {ExitCode::device_missing,
+            fmt::format("its lines are not read as [gyro.text] of the profile says; one is: {}",
+                        evidence.found.text_format->sample_line),
+            where, "thermorig ports --save NEW_NAME takes what the lines say; or mend [gyro.text]"};
   return {ExitCode::device_missing,
           fmt::format("it sends {} bytes, but no {} in them", bytes.count(), what_it_sends(device)), where,
           fmt::format("check the baud rate ({} now) and the device; `thermorig ports` tries the usual ones",
@@ -71,6 +75,13 @@ Error unreadable_device(Device device, const RigProfile& profile, const FirstByt
   const Evidence evidence = classify(bytes.kept());
   if (evidence.role && *evidence.role != device)
     return other_role(device, evidence, ExitCode::device_lost, where);
+  if (!evidence.found.advice.empty())
+    return {ExitCode::device_lost, "it now sends " + evidence.found.text, where, evidence.found.advice};
+  if (evidence.role == device && evidence.found.text_format)
+    return {ExitCode::device_lost,
+            fmt::format("its lines have changed: {} columns behind \"{}\", which [gyro.text] does not read",
+                        evidence.found.text_format->fields, evidence.found.text_format->columns.prefix),
+            where, "make it print the same lines throughout"};
   return {
       ExitCode::device_lost,
       fmt::format("for {:.1f} s it has sent {} bytes, but no {} in them", span_s, bytes.count(),

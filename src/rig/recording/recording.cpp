@@ -89,12 +89,24 @@ void Recording::Parts::note_epoch(const ClockEpoch& epoch, HostTime now) {
   event({now, EventKind::warning, Device::servo, "the servo's clock starts anew: " + epoch.reason});
 }
 
+/// Said the first time, then ever more rarely: a device may change to and fro.
+void Recording::Parts::note_layout(HostTime now) {
+  const std::uint64_t changes = pipeline.counters(Device::gyro).layout_changes;
+  if (changes < layout_changes_to_say) return;
+  layout_changes_to_say = 2 * changes;
+  event({now, EventKind::warning, Device::gyro,
+         "the gyro's lines go on with another number of columns: they may mean something else from here on; "
+         "try: "
+         "thermorig decode --device gyro on what it prints"});
+}
+
 // ---- time ---------------------------------------------------------------------------------------------
 
 void Recording::tick(HostTime now) {
   Parts& parts = *parts_;
   for (const RecordingEvent& happened : parts.journal->check(now)) parts.event(happened);
   if (done()) return;
+  parts.note_layout(now);
   parts.ask_for_streams(now);
   parts.guarded(now, [&] {
     parts.check_devices(now);

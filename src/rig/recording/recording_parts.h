@@ -72,6 +72,7 @@ struct Recording::Parts {
   void ask_for_streams(HostTime now);
   void write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now);
   void note_epoch(const ClockEpoch& epoch, HostTime now);
+  void note_layout(HostTime now);
   void event(const RecordingEvent& event);
   void close(HostTime now);
   void fail(const Error& error, HostTime now);
@@ -107,6 +108,7 @@ struct Recording::Parts {
   std::string gone_advice;  // of the first that it went on without
   std::vector<RecordingEvent> new_events;
   std::optional<LabelledSample> last_sample;
+  std::uint64_t layout_changes_to_say = 1;
 };
 
 }  // namespace thermorig::rig

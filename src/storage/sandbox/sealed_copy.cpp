@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/git_lfs.h"
 #include "thermorig/core/printable.h"
 #include "thermorig/io/files/descriptor.h"
 #include "thermorig/io/files/unlinked_file.h"
@@ -47,6 +48,17 @@ constexpr std::size_t part_bytes = 1U << 20U;  // of a large copy, at a time
   refuse(path, "is larger than any session: 4 GiB");
 }
 
+/// The pointers that stand for sessions in a clone without git-lfs have fewer bytes than this (their
+/// specification), and no session has so few.
+void refuse_git_lfs_pointer(const Descriptor& file, std::int64_t size, const fs::path& path) {
+  std::array<char, 1024> head{};
+  if (size > static_cast<std::int64_t>(head.size())) return;
+  const ssize_t count = ::pread(file.get(), head.data(), head.size(), 0);
+  if (count > 0 && is_git_lfs_pointer({head.data(), static_cast<std::size_t>(count)}))
+    throw Error(ExitCode::not_a_session, "is a Git LFS pointer: the file itself was not fetched",
+                path.string(), git_lfs_advice);
+}
+
 /// Looked at before it is opened: opening a pipe waits, and opening a port moves its lines.
 Descriptor open_regular(const fs::path& path, std::int64_t& size) {
   struct stat info {};
@@ -60,6 +72,7 @@ Descriptor open_regular(const fs::path& path, std::int64_t& size) {
   if (::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
   if (info.st_size > SealedCopy::bytes_max) too_large(path);
   size = info.st_size;
+  refuse_git_lfs_pointer(file, size, path);
   return file;
 }
 

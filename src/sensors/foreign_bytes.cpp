@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "text_fields.h"
+#include "thermorig/core/git_lfs.h"
+#include "thermorig/sensors/device_stream.h"
+#include "thermorig/sensors/text_format.h"
+#include "thermorig/sensors/wire/reassembly.h"
+
+namespace thermorig::sensors {
+
+namespace {
+
+using wire::Bytes;
+
+constexpr std::size_t frames_needed = 3;  // in a row: two marks that stand right by chance do so rarely twice
+
+Evidence evidence_of(Bytes bytes, std::string text, std::string advice) {
+  return {.messages = 0,
+          .bytes = bytes.size(),
+          .text = std::move(text),
+          .text_format = {},
+          .advice = std::move(advice)};
+}
+
+std::optional<Evidence> git_lfs_pointer(Bytes bytes) {
+  if (!is_git_lfs_pointer({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) return std::nullopt;
+  return evidence_of(bytes, "a Git LFS pointer, not the file itself", git_lfs_advice);
+}
+
+/// Text of two bytes a character: one of each pair is 0, the other is not.
+std::optional<Evidence> utf16_text(Bytes bytes) {
+  std::array<std::size_t, 2> zeros{}, characters{};
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    zeros[i % 2] += bytes[i] == 0 ? 1U : 0U;
+    characters[i % 2] +=
+        bytes[i] == '\r' || bytes[i] == '\n' || bytes[i] == '\t' || (bytes[i] >= ' ' && bytes[i] < 0x7F);
+  }
+  const std::size_t half = bytes.size() / 2;
+  const auto is_most = [&](std::size_t count) { return half >= 8 && count >= half - half / 16; };
+  if (!(is_most(zeros[0]) && is_most(characters[1])) && !(is_most(zeros[1]) && is_most(characters[0])))
+    return std::nullopt;
+  return evidence_of(
+      bytes, "text in UTF-16, as a Windows shell redirects it",
+      "iconv -f UTF-16 -t UTF-8 FILE | thermorig decode --device gyro -; or log with another program");
+}
+
+bool is_hex(std::string_view text) {
+  return text.find_first_not_of("0123456789abcdefABCDEF") == text.npos;
+}
+
+/// "55 51 0A 00", "0x55,0x51" or "55510a00", with an offset in front or without.
+struct HexLine {
+  bool is_hex = false, has_letter = false, has_offset = false;
+};
+HexLine hex_line(std::string_view line) {
+  HexLine result;
+  std::size_t bytes = 0;
+  Fields fields(line);
+  for (std::size_t i = 0; const auto field = fields.next(); ++i) {
+    std::string_view token = field->text;
+    if (i == 0 && token.size() >= 4 && (token.ends_with(':') || token.size() >= 7) &&
+        is_hex(token.substr(0, token.size() - 1))) {
+      result.has_offset = token.ends_with(':') || token.find_first_not_of('0') == token.npos;
+      if (result.has_offset) continue;
+    }
+    if (token.starts_with("0x") || token.starts_with("0X")) token.remove_prefix(2);
+    if (!is_hex(token) || token.size() % 2 != 0 || token.empty()) {
+      if (bytes >= 8) break;  // the characters that a dump shows beside the bytes
+      return result;
+    }
+    bytes += token.size() / 2;
+    result.has_letter |= std::any_of(token.begin(), token.end(), [](char c) { return c > '9'; });
+  }
+  result.is_hex = bytes >= 8;
+  return result;
+}
+
+std::optional<Evidence> hex_text(Bytes bytes) {
+  std::size_t lines = 0, of_hex = 0, with_letter = 0, with_offset = 0;
+  for_each_line(bytes, [&](const RawLine& line) {
+    if (is_blank(line.text)) return;
+    const HexLine hex = is_text(line.text) ? hex_line(line.text) : HexLine();
+    ++lines;
+    of_hex += hex.is_hex ? 1U : 0U;
+    with_letter += hex.is_hex && hex.has_letter ? 1U : 0U;
+    with_offset += hex.is_hex && hex.has_offset ? 1U : 0U;
+  });
+  if (lines < 2 || of_hex < lines - lines / 8 || 2 * with_letter < of_hex) return std::nullopt;
+  return evidence_of(bytes, "hex text of a dump, not its bytes",
+                     fmt::format("xxd -r {}FILE dump.bin, then thermorig decode dump.bin",
+                                 2 * with_offset > of_hex ? "" : "-p "));
+}
+
+/// Whether a table of numbers has so many columns that it is a picture; whatever stands in front of it.
+std::optional<Evidence> image_text(Bytes bytes) {
+  std::size_t lines = 0, rows = 0, columns = 0;
+  bool holds_words = false;
+  for_each_line(bytes, [&](const RawLine& line) {
+    if (is_blank(line.text) || !is_text(line.text)) return;
+    std::size_t fields = 0, numbers = 0;
+    for (const TextField& field : split_fields(line.text)) {
+      ++fields;
+      numbers += read_number(field.value) ? 1U : 0U;
+    }
+    ++lines;
+    holds_words |= numbers == 0 && fields >= image_line_fields;  // a header
+    if (numbers < image_line_fields) return;
+    ++rows;
+    columns = std::max(columns, numbers);
+  });
+  constexpr std::size_t convincing_columns = 192;  // an MLX90641's frame: one line is enough
+  const bool is_table = rows >= 2 && 2 * rows >= lines;
+  if ((!is_table && columns < convincing_columns) || holds_words) return std::nullopt;
+  return evidence_of(
+      bytes,
+      fmt::format("an image as text, {} numbers a line, as a thermal camera's sketch prints it", columns),
+      "a camera that sends frames of a GY-MCU90640 board, in bytes (protocols/gy_mcu90640.md)");
+}
+
+/// How many frames stand in a row that begin with `mark`, `size` bytes apart, at best.
+template <typename IsFrame>
+std::size_t frames_in_a_row(Bytes bytes, std::size_t size, IsFrame is_frame) {
+  std::size_t best = 0;
+  for (std::size_t at = 0; at + size <= bytes.size(); ++at) {
+    std::size_t frames = 0;
+    while (at + size <= bytes.size() && is_frame(bytes.subspan(at, size))) {
+      ++frames;
+      at += size;
+    }
+    best = std::max(best, frames);
+  }
+  return best;
+}
+
+/// WitMotion's sensors with Bluetooth, over USB as well: no check sum, no time, and a length that differs.
+std::optional<Evidence> witmotion_ble(Bytes bytes) {
+  constexpr std::array sizes{std::size_t{20}, std::size_t{28}};
+  for (const std::size_t size : sizes) {
+    const std::size_t frames =
+        frames_in_a_row(bytes, size, [](Bytes frame) { return frame[0] == 0x55 && frame[1] == 0x61; });
+    if (frames < frames_needed || 2 * frames * size < bytes.size()) continue;
+    return evidence_of(
+        bytes,
+        fmt::format("WitMotion's Bluetooth frames (55 61, {} in a row), which have no check sum", frames),
+        "a WitMotion sensor with a cable (WT61, WT901): its packets 55 52 are checked");
+  }
+  return std::nullopt;
+}
+
+/// CRC-16/MODBUS.
+std::uint16_t modbus_crc(Bytes bytes) {
+  std::uint16_t crc = 0xFFFF;
+  for (const std::uint8_t byte : bytes) {
+    crc = static_cast<std::uint16_t>(crc ^ byte);
+    for (int bit = 0; bit < 8; ++bit)
+      crc = static_cast<std::uint16_t>((crc & 1U) != 0 ? (crc >> 1) ^ 0xA001U : crc >> 1);
+  }
+  return crc;
+}
+
+/// Answers to "read registers": address, 3, how many bytes follow, these, CRC.
+std::optional<Evidence> modbus(Bytes bytes) {
+  std::size_t answers = 0, of_them = 0;
+  for (std::size_t at = 0; at + 5 <= bytes.size(); ++at) {
+    const std::size_t size = 3 + std::size_t{bytes[at + 2]};
+    if (bytes[at + 1] != 3 || bytes[at + 2] == 0 || bytes[at + 2] % 2 != 0 || at + size + 2 > bytes.size())
+      continue;
+    if (modbus_crc(bytes.subspan(at, size)) != wire::u16_at(bytes, at + size)) continue;
+    ++answers;
+    of_them += size + 2;
+    at += size + 1;
+  }
+  if (answers < frames_needed || 3 * of_them < bytes.size()) return std::nullopt;
+  return evidence_of(
+      bytes, fmt::format("Modbus ({} answers of registers), which speaks only when it is asked", answers),
+      "set the sensor to send by itself (WitMotion: its \"normal\" protocol)");
+}
+
+/// The "teapot" packets of the MPU-6050's motion processor: a quaternion.
+std::optional<Evidence> teapot(Bytes bytes) {
+  const std::size_t frames = frames_in_a_row(bytes, 14, [](Bytes frame) {
+    return frame[0] == '$' && frame[1] == 2 && frame[12] == '\r' && frame[13] == '\n';
+  });
+  if (frames < frames_needed) return std::nullopt;
+  return evidence_of(bytes,
+                     fmt::format("teapot packets ({} in a row): quaternions, no rates of turn", frames),
+                     "make the sketch print the gyro's x, y, z (i2cdevlib: MPU6050_raw)");
+}
+
+}  // namespace
+
+std::optional<Evidence> recognise_foreign(std::span<const std::uint8_t> bytes) {
+  for (const auto recognise :
+       {git_lfs_pointer, utf16_text, hex_text, image_text, witmotion_ble, modbus, teapot})
+    if (std::optional<Evidence> found = recognise(bytes)) return found;
+  return std::nullopt;
+}
+
+}  // namespace thermorig::sensors

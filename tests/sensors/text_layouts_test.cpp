@@ -1,0 +1,486 @@
+// SPDX-License-Identifier: MIT
+// What is recognised in the layouts that public sketches and loggers print. All values are made up.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "support/gyro_scanners.h"
+#include "thermorig/sensors/text_format.h"
+#include "wire/scan.h"
+
+namespace thermorig::test {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double rad_s = 57.29577951308232;
+constexpr std::array<double, 3> gyro_dps{0.9, -0.4, 20.1};  // about which the sensor's noise lies
+
+/// What a sensor measures at one line; noise makes each differ.
+struct Values {
+  std::array<double, 3> acceleration_g, gyro, field_ut;  // gyro: in the unit of the layout
+  int ms;
+
+  double a(std::size_t axis, double unit = 1.0) const { return unit * acceleration_g[axis]; }
+  double g(std::size_t axis) const { return gyro[axis]; }
+  double m(std::size_t axis) const { return field_ut[axis]; }
+};
+
+std::vector<Values> values_in(double scale_dps) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise;
+  std::vector<Values> all;
+  for (int i = 0; i < 40; ++i) {
+    Values values{{0.01, -0.02, 1.0}, {}, {20.0, -12.0, 39.0}, 1000 + 10 * i};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      values.acceleration_g[axis] += 0.004 * noise(random);
+      values.gyro[axis] = (gyro_dps[axis] + 0.1 * noise(random)) / scale_dps;
+      values.field_ut[axis] += 0.4 * noise(random);
+    }
+    all.push_back(values);
+  }
+  return all;
+}
+
+struct Layout {
+  const char* name;
+  std::function<std::string(const Values&)> lines;
+  double scale_dps = 1.0;
+  std::string above = "";         // lines that come once
+  bool asks_for_columns = false;  // nothing says which they are
+  bool asks_for_unit = false;
+};
+
+std::string text_of(const Layout& layout) {
+  std::string text = layout.above;
+  for (const Values& values : values_in(layout.scale_dps)) text += layout.lines(values) + "\r\n";
+  return text;
+}
+
+std::optional<sensors::TextFormat> guess(const std::string& text) {
+  const ByteVector bytes(text.begin(), text.end());
+  return sensors::guess_text_format(bytes, sensors::StreamStart::at_line_start, 0.4);
+}
+
+/// The proposed columns, read by the decoder, give every sample in deg/s.
+void expect_rates(const Layout& layout, const sensors::TextFormat& format) {
+  TextColumns columns = format.columns;
+  if (!format.scale_known) columns.scale_dps = layout.scale_dps;
+  const std::string text = text_of(layout);
+  const auto scan =
+      scan_any_chunking<wire::GyroMessage>(text_scanner(columns, sensors::StreamStart::at_line_start),
+                                           ByteVector(text.begin(), text.end()), Stream::ends);
+  EXPECT_EQ(scan.messages.size(), 40U);
+  EXPECT_EQ(scan.counters.bad_value, 0U);
+  std::array<double, 3> sum{};
+  for (const auto& message : scan.messages) {
+    EXPECT_FALSE(message.lost_before);
+    for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += message.reading.rate_dps[axis];
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (columns.rate[axis] >= 0) {
+      EXPECT_NEAR(sum[axis] / 40.0, gyro_dps[axis], 0.2 + 0.005 * layout.scale_dps) << "axis " << axis;
+    }
+}
+
+std::string counts(double value) {
+  return fmt::format("{:.0f}", value);
+}
+
+const std::vector<Layout> layouts{
+    {"i2cdevlib MPU6050_raw",
+     [](const Values& v) {
+       return fmt::format("a/g:\t{:.0f}\t{:.0f}\t{:.0f}\t{:.0f}\t{:.0f}\t{:.0f}", v.a(0, 16384),
+                          v.a(1, 16384), v.a(2, 16384), v.g(0), v.g(1), v.g(2));
+     },
+     1.0 / 131.0},
+    {"Adafruit MPU6050 basic",
+     [](const Values& v) {
+       return fmt::format(
+           "Acceleration X: {:.2f}, Y: {:.2f}, Z: {:.2f} m/s^2\r\nRotation X: {:.2f}, Y: {:.2f}, "
+           "Z: {:.2f} rad/s\r\nTemperature: 28.41 degC\r\n",
+           v.a(0, 9.81), v.a(1, 9.81), v.a(2, 9.81), v.g(0), v.g(1), v.g(2));
+     },
+     rad_s},
+    {"Adafruit MPU6050 plotter",
+     [](const Values& v) {
+       return fmt::format("AccelX:{:.2f},AccelY:{:.2f},AccelZ:{:.2f}, GyroX:{:.2f},GyroY:{:.2f},GyroZ:{:.2f}",
+                          v.a(0, 9.81), v.a(1, 9.81), v.a(2, 9.81), v.g(0), v.g(1), v.g(2));
+     },
+     rad_s},
+    {"Adafruit LSM6DS",
+     [](const Values& v) {
+       return fmt::format(
+           "\t\tTemperature 25.10 deg C\r\n\t\tAccel X: {:.2f} \tY: {:.2f} \tZ: {:.2f} m/s^2 \r\n"
+           "\t\tGyro X: {:.2f} \tY: {:.2f} \tZ: {:.2f} radians/s \r\n",
+           v.a(0, 9.81), v.a(1, 9.81), v.a(2, 9.81), v.g(0), v.g(1), v.g(2));
+     },
+     rad_s},
+    {"Adafruit unified, plotter form",
+     [](const Values& v) {
+       return fmt::format("25.10,{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f}", v.a(0, 9.81), v.a(1, 9.81),
+                          v.a(2, 9.81), v.g(0), v.g(1), v.g(2));
+     },
+     rad_s, "", true, true},
+    {"Adafruit BNO055 read_all_data",
+     [](const Values& v) {
+       return fmt::format(
+           "Orient:\tx= 359.94 |\ty= -1.56 |\tz= 2.31\r\nGyro:\tx= {:.2f} |\ty= {:.2f} |\tz= {:.2f}"
+           "\r\nLinear:\tx= 0.01 |\ty= 0.02 |\tz= -0.03\r\nGravity:\tx= {:.2f} |\ty= 0.12 |\tz= 9.80"
+           "\r\n\r\ntemperature: 28\r\nCalibration: Sys=0 Gyro=3 Accel=0 Mag=0\r\n--",
+           v.g(0), v.g(1), v.g(2), v.a(0, 9.81));
+     },
+     rad_s},
+    {"Adafruit BNO08x more_reports",
+     [](const Values& v) {
+       return fmt::format(
+           "Accelerometer - x: {:.2f} y: {:.2f} z: {:.2f}\r\nGyro - x: {:.2f} y: {:.2f} z: {:.2f}\r\n"
+           "Rotation Vector - r: 0.99 i: 0.01 j: 0.02 k: 0.03",
+           v.a(0, 9.81), v.a(1, 9.81), v.a(2, 9.81), v.g(0), v.g(1), v.g(2));
+     },
+     rad_s},
+    {"SparkFun BNO080 Example3",
+     [](const Values& v) { return fmt::format("{:.2f},{:.2f},{:.2f},", v.g(0), v.g(1), v.g(2)); }, rad_s,
+     "BNO080 Read Example\r\nGyro enabled\r\nOutput in form x, y, z, in radians per second\r\n"},
+    {"Arduino SimpleGyroscope",
+     [](const Values& v) { return fmt::format("{:.2f}\t{:.2f}\t{:.2f}", v.g(0), v.g(1), v.g(2)); }, 1.0,
+     "Gyroscope sample rate = 104.00 Hz\r\n\r\nGyroscope in degrees/second\r\nX\tY\tZ\r\n"},
+    {"SparkFun ICM-20948 Example1",
+     [](const Values& v) {
+       return fmt::format(
+           "Scaled. Acc (mg) [ {:09.2f}, {:09.2f}, {:09.2f} ], Gyr (DPS) [ {:09.2f}, {:09.2f}, "
+           "{:09.2f} ], Mag (uT) [ {:09.2f}, {:09.2f}, {:09.2f} ], Tmp (C) [  00025.10 ]",
+           v.a(0, 1000), v.a(1, 1000), v.a(2, 1000), v.g(0), v.g(1), v.g(2), v.m(0), v.m(1), v.m(2));
+     }},
+    {"SparkFun ICM-20948 raw",
+     [](const Values& v) {
+       return fmt::format(
+           "RAW. Acc [ {:06.0f}, {:06.0f}, {:06.0f} ], Gyr [ {:06.0f}, {:06.0f}, {:06.0f} ], Mag [ "
+           "00123, -00045, 00310 ], Tmp [ 01234 ]",
+           v.a(0, 16384), v.a(1, 16384), v.a(2, 16384), v.g(0), v.g(1), v.g(2));
+     },
+     1.0 / 131.0},
+    {"SparkFun BMI270 Example1",
+     [](const Values& v) {
+       return fmt::format(
+           "Acceleration in g's\tX: {:.3f}\tY: {:.3f}\tZ: {:.3f}\tRotation in deg/sec\tX: {:.3f}\tY: "
+           "{:.3f}\tZ: {:.3f}",
+           v.a(0), v.a(1), v.a(2), v.g(0), v.g(1), v.g(2));
+     }},
+    {"tockn MPU6050",
+     [](const Values& v) {
+       return fmt::format(
+           "temp : 26.03\r\naccX : {:.2f}\taccY : {:.2f}\taccZ : {:.2f}\r\ngyroX : {:.2f}\tgyroY : "
+           "{:.2f}\tgyroZ : {:.2f}\r\naccAngleX : 1.16\taccAngleY : 2.19\r\ngyroAngleX : 41.00\t"
+           "gyroAngleY : 11.95\tgyroAngleZ : {:.2f}\r\nangleX : 0.94\tangleY : 2.16\tangleZ : 92.90\r\n"
+           "=======================================================",
+           v.a(0), v.a(1), v.a(2), v.g(0), v.g(1), v.g(2), 0.02 * v.ms);
+     }},
+    {"rfetick MPU6050_light",
+     [](const Values& v) {
+       return fmt::format(
+           "TEMPERATURE: 26.03\r\nACCELERO  X: {:.2f}\tY: {:.2f}\tZ: {:.2f}\r\nGYRO      X: {:.2f}\tY: "
+           "{:.2f}\tZ: {:.2f}\r\nACC ANGLE X: 1.16\tY: 2.19\r\nANGLE     X: 0.94\tY: 2.16\tZ: 92.90",
+           v.a(0), v.a(1), v.a(2), v.g(0), v.g(1), v.g(2));
+     }},
+    {"Bolder Flight invensense-imu",
+     [](const Values& v) {
+       return fmt::format(
+           "1\t0\t{:.2f}\t{:.2f}\t{:.2f}\t{:.2f}\t{:.2f}\t{:.2f}\t{:.1f}\t{:.1f}\t{:.1f}\t25.1", v.a(0, 9.81),
+           v.a(1, 9.81), v.a(2, 9.81), v.g(0), v.g(1), v.g(2), v.m(0), v.m(1), v.m(2));
+     },
+     rad_s, "", true, true},
+    {"SparkFun 9DoF Razor M0",
+     [](const Values& v) {
+       return fmt::format("{}, {:.2f}, {:.2f}, {:.2f}, {:.2f}, {:.2f}, {:.2f}, {:.2f}, {:.2f}, {:.2f}", v.ms,
+                          v.a(0), v.a(1), v.a(2), v.g(0), v.g(1), v.g(2), v.m(0), v.m(1), v.m(2));
+     },
+     1.0, "", true, true},
+    {"Razor AHRS",
+     [](const Values& v) {
+       return fmt::format("#A-C={:.2f},{:.2f},{:.2f}\r\n#M-C=12.00,31.00,288.00\r\n#G-C={:.2f},{:.2f},{:.2f}",
+                          v.a(0, 256), v.a(1, 256), v.a(2, 256), v.g(0), v.g(1), v.g(2));
+     },
+     1.0 / 14.375},
+
+    {"an Arduino IDE's clock in front of several lines",
+     [](const Values& v) {
+       return fmt::format(
+           "12:34:{:06.3f} -> Acc X: {:.2f}, Y: {:.2f}, Z: {:.2f}\n12:34:{:06.3f} -> Gyro X: {:.2f}, Y: "
+           "{:.2f}, Z: {:.2f} deg/s",
+           0.001 * v.ms, v.a(0), v.a(1), v.a(2), 0.001 * v.ms, v.g(0), v.g(1), v.g(2));
+     }},
+    {"a date and a clock in two columns, named by a header",
+     [](const Values& v) {
+       return fmt::format("12/06/2020,12:15:{:05.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},27.10,",
+                          0.001 * v.ms, v.a(0, 1000), v.a(1, 1000), v.a(2, 1000), v.g(0), v.g(1), v.g(2));
+     },
+     1.0, "rtcDate,rtcTime,aX,aY,aZ,gX,gY,gZ,imu_degC,\r\n"},
+    {"a wide table between tabs whose clock holds a blank",
+     [](const Values& v) {
+       std::string line = fmt::format(
+           "0x50\t 06:00:{0:06.3f}\t 2025-01-01 06:00:{0:06.3f}\t{1:.4f}\t{2:.4f}\t{3:.4f}\t"
+           "{4:.4f}\t{5:.4f}\t{6:.4f}",
+           0.001 * v.ms, v.a(0), v.a(1), v.a(2), v.g(0), v.g(1), v.g(2));
+       for (int i = 0; i < 32; ++i) line += "\t101447.25";
+       return line;
+     },
+     1.0,
+     [] {
+       std::string header =
+           "StartTime: 2025-01-01 "
+           "06:00:00.000\r\naddress\tTime(s)\tChipTime\tax(g)\tay(g)\taz(g)\twx(deg/s)\t"
+           "wy(deg/s)\twz(deg/s)";
+       for (int i = 0; i < 32; ++i) header += fmt::format("\tD{}(Pa)", i);
+       return header + "\r\n";
+     }()},
+    {"degree signs in UTF-8",
+     [](const Values& v) {
+       return fmt::format("Gyro X: {:.2f} \xC2\xB0/s  Y: {:.2f} \xC2\xB0/s  Z: {:.2f} \xC2\xB0/s", v.g(0),
+                          v.g(1), v.g(2));
+     }},
+    {"degree signs in Latin-1, right behind the numbers",
+     [](const Values& v) {
+       return fmt::format("gx={:.2f}\xB0/s gy={:.2f}\xB0/s gz={:.2f}\xB0/s", v.g(0), v.g(1), v.g(2));
+     }},
+    {"colours",
+     [](const Values& v) {
+       return fmt::format("\x1b[32mgyro\x1b[0m {:.2f} {:.2f} {:.2f} \x1b[1;31mdps\x1b[0m", v.g(0), v.g(1),
+                          v.g(2));
+     }},
+    {"a byte order mark in front",
+     [](const Values& v) { return fmt::format("{},{:.2f},{:.2f},{:.2f}", v.ms, v.g(0), v.g(1), v.g(2)); },
+     1.0, "\xEF\xBB\xBFms,gx_dps,gy_dps,gz_dps\r\n"},
+    {"JSON, a name each",
+     [](const Values& v) {
+       return fmt::format(
+           R"({{"t":{},"ax":{:.2f},"ay":{:.2f},"az":{:.2f},"gx":{:.3f},"gy":{:.3f},"gz":{:.3f}}})", v.ms,
+           v.a(0, 9.81), v.a(1, 9.81), v.a(2, 9.81), v.g(0), v.g(1), v.g(2));
+     },
+     1.0, "", false, true},
+    {"JSON with blanks and the unit in the names",
+     [](const Values& v) {
+       return fmt::format(
+           R"({{"gyro_x_dps": {:.3f}, "gyro_y_dps": {:.3f}, "gyro_z_dps": {:.3f}, "temp": 25.1}})", v.g(0),
+           v.g(1), v.g(2));
+     }},
+    {"JSON, nested",
+     [](const Values& v) {
+       return fmt::format(
+           R"({{"acc":{{"x":{:.2f},"y":{:.2f},"z":{:.2f}}},"gyro":{{"x":{:.3f},"y":{:.3f},"z":{:.3f}}},"ms":{}}})",
+           v.a(0), v.a(1), v.a(2), v.g(0), v.g(1), v.g(2), v.ms);
+     },
+     1.0, "", false, true},
+    {"JSON, arrays",
+     [](const Values& v) {
+       return fmt::format(
+           R"({{"accel":[{:.2f},{:.2f},{:.2f}],"gyro_rad_s":[{:.4f}, {:.4f}, {:.4f}],"t_ms":{}}})", v.a(0),
+           v.a(1), v.a(2), v.g(0), v.g(1), v.g(2), v.ms);
+     },
+     rad_s},
+    {"a check sum at the end",
+     [](const Values& v) {
+       return fmt::format("$GYRO,{:.3f},{:.3f},{:.3f}*{:02X}", v.g(0), v.g(1), v.g(2), v.ms % 256);
+     },
+     1.0, "", false, true},
+    {"raw counts by name",
+     [](const Values& v) {
+       return "AcX = " + counts(v.a(0, 16384)) + " | AcY = " + counts(v.a(1, 16384)) +
+              " | AcZ = " + counts(v.a(2, 16384)) + " | Tmp = 26.85 | GyX = " + counts(v.g(0)) +
+              " | GyY = " + counts(v.g(1)) + " | GyZ = " + counts(v.g(2));
+     },
+     1.0 / 65.5, "", false, true},
+    {"one axis a line",
+     [](const Values& v) {
+       return fmt::format(
+           "accelX: {:.2f}\naccelY: {:.2f}\naccelZ: {:.2f}\ngyroX: {:.3f} dps\ngyroY: {:.3f} dps\ngyroZ: "
+           "{:.3f} dps",
+           v.a(0), v.a(1), v.a(2), v.g(0), v.g(1), v.g(2));
+     }},
+    {"milli-units and another order of axes",
+     [](const Values& v) {
+       return fmt::format("omega_z:{:.0f} omega_x:{:.0f} omega_y:{:.0f} mdps", v.g(2), v.g(0), v.g(1));
+     },
+     1e-3},
+    {"angles beside rates",
+     [](const Values& v) {
+       return fmt::format(
+           "Yaw: {:.1f} Pitch: 2.0 Roll: -1.0 AngVelX: {:.2f} AngVelY: {:.2f} AngVelZ: {:.2f} deg/s",
+           0.01 * v.ms, v.g(0), v.g(1), v.g(2));
+     }},
+    {"two kinds of lines whose columns alone have names",
+     [](const Values& v) {
+       return fmt::format("ax:{:.2f},ay:{:.2f},az:{:.2f}\ngx:{:.2f},gy:{:.2f},gz:{:.2f} deg/s", v.a(0),
+                          v.a(1), v.a(2), v.g(0), v.g(1), v.g(2));
+     }},
+    {"letters before three numbers each",
+     [](const Values& v) {
+       return fmt::format("A: {:6.0f} {:6.0f} {:6.0f}    G: {:6.0f} {:6.0f} {:6.0f}", v.a(0, 16384),
+                          v.a(1, 16384), v.a(2, 16384), v.g(0), v.g(1), v.g(2));
+     },
+     0.00875, "", false, true},
+    {"a line each of a letter, with units behind",
+     [](const Values& v) {
+       return fmt::format(
+           "G: {:.2f}, {:.2f}, {:.2f} deg/s\nA: {:.2f}, {:.2f}, {:.2f} g\nM: 0.12, 0.34, 0.56 gauss\n",
+           v.g(0), v.g(1), v.g(2), v.a(0), v.a(1), v.a(2));
+     }},
+    {"a quoted header with units",
+     [](const Values& v) {
+       return fmt::format("{:.3f},{:.4E},{:.4E},{:.4E},0.35", 0.001 * v.ms, v.g(0), v.g(1), v.g(2));
+     },
+     rad_s,
+     "\"Time (s)\",\"Gyroscope x (rad/s)\",\"Gyroscope y (rad/s)\",\"Gyroscope z (rad/s)\",\"Absolute "
+     "(rad/s)\"\r\n"},
+    {"a header that names axes in another order",
+     [](const Values& v) { return fmt::format("{},{:.3f},{:.3f},{:.3f}", v.ms, v.g(2), v.g(1), v.g(0)); },
+     1.0, "seconds_elapsed,z,y,x\r\n", true, true},
+    {"Adafruit's words with another sketch's units",
+     [](const Values& v) {
+       return fmt::format("AccelX:{:.2f},AccelY:{:.2f},AccelZ:{:.2f}, GyroX:{:.2f},GyroY:{:.2f},GyroZ:{:.2f}",
+                          v.a(0), v.a(1), v.a(2), v.g(0), v.g(1), v.g(2));
+     },
+     1.0, "", false, true},
+    {"degrees that may be an angle",
+     [](const Values& v) {
+       return fmt::format("gyro_x_deg:{:.2f} gyro_y_deg:{:.2f} gyro_z_deg:{:.2f}", v.g(0), v.g(1), v.g(2));
+     },
+     1.0, "", false, true},
+    {"bare columns of three",
+     [](const Values& v) { return fmt::format("{:.2f} {:.2f} {:.2f}", v.g(0), v.g(1), v.g(2)); }, 1.0, "",
+     true, true},
+};
+
+TEST(TextLayouts, AreReadByTheirWordsOrAskedFor) {
+  for (const Layout& layout : layouts) {
+    SCOPED_TRACE(layout.name);
+    const auto format = guess(text_of(layout));
+    ASSERT_TRUE(format.has_value());
+    SCOPED_TRACE(fmt::format("prefix \"{}\", columns {},{},{}, {} deg/s: {}", format->columns.prefix,
+                             format->columns.rate[0], format->columns.rate[1], format->columns.rate[2],
+                             format->columns.scale_dps, fmt::join(format->assumptions, "; ")));
+    EXPECT_EQ(format->refusal, "");
+    EXPECT_EQ(format->rates_known, !layout.asks_for_columns);
+    EXPECT_EQ(format->scale_known, !layout.asks_for_unit);
+    EXPECT_EQ(sensors::open_question(*format).empty(), format->is_known());
+    if (format->scale_known) {
+      EXPECT_NEAR(format->columns.scale_dps / layout.scale_dps, 1.0, 1e-6);
+    }
+    expect_rates(layout, *format);
+  }
+}
+
+TEST(TextLayouts, OfOneAxisALineAreReadForZAndTheOthersAreNamed) {
+  const auto format = guess(text_of(*std::find_if(layouts.begin(), layouts.end(), [](const Layout& layout) {
+    return layout.name == std::string("one axis a line");
+  })));
+  ASSERT_TRUE(format.has_value());
+  EXPECT_EQ(format->columns.prefix, "gyroZ:");
+  EXPECT_EQ(format->columns.rate, (std::array<int, 3>{-1, -1, 0}));
+  EXPECT_THAT(format->assumptions, Contains(AllOf(HasSubstr("\"gyroX:\""), HasSubstr("\"gyroY:\""))));
+}
+
+TEST(TextLayouts, OfCountsAskForTheRangeAndOfOtherNumbersForTheUnit) {
+  const auto named = guess("GyX = 12 | GyY = -3 | GyZ = 7\nGyX = 11 | GyY = -4 | GyZ = 6\n");
+  ASSERT_TRUE(named.has_value());
+  EXPECT_THAT(sensors::open_question(*named), HasSubstr("(131, 65.5, 32.8, 16.4"));
+  const auto json = guess("{\"gx\":0.1,\"gy\":0.2,\"gz\":0.3}\n{\"gx\":0.2,\"gy\":0.2,\"gz\":0.4}\n");
+  ASSERT_TRUE(json.has_value());
+  EXPECT_THAT(sensors::open_question(*json), HasSubstr("(deg/s, rad/s)"));
+}
+
+TEST(TextLayouts, WithoutRatesAreRefusedWithTheReason) {
+  struct Refused {
+    const char* line;
+    const char* reason;
+  };
+  for (const Refused& refused :
+       {Refused{"ypr\t{0:.2f}\t2.10\t-3.20", "angles"},
+        Refused{"quat\t0.98\t0.{1}\t0.02\t0.03", "quaternions"},
+        Refused{"euler\t{0:.2f}\t2.10\t-3.20", "angles"}, Refused{"#YPR={0:.2f},2.10,-3.20", "angles"},
+        Refused{"Yaw, Pitch, Roll: {0:.2f}, 2.10, -3.20", "angles"},
+        Refused{"X: {0:.2f} Y: 2.10 Z: -3.20\t\tCALIBRATION: Sys=3 Gyro=3 Accel=3 Mag=0", "angles"},
+        Refused{"qW: 0.9999 qX: 0.{1} qY: 0.02 qZ: 0.03", "quaternions"},
+        Refused{"gyroAngleX: {0:.2f} gyroAngleY: 2.10 gyroAngleZ: 3.20", "angles"},
+        Refused{"ax:{0:.2f} ay:2.10 az:3.20", "accelerations"}}) {
+    std::string text;
+    for (int i = 10; i < 30; ++i) text += fmt::format(fmt::runtime(refused.line), 1.1 * i, i) + "\n";
+    const auto format = guess(text);
+    ASSERT_TRUE(format.has_value()) << refused.line;
+    EXPECT_THAT(format->refusal, HasSubstr(refused.reason)) << refused.line;
+    EXPECT_FALSE(format->is_known());
+    EXPECT_THAT(format->advice, HasSubstr("rates"));
+  }
+}
+
+TEST(TextLayouts, WhoseKindsOfLinesBeginAlikeAreRefused) {
+  std::string text;
+  for (int i = 0; i < 20; ++i)
+    text += fmt::format("Gyroscope:\n0.{0},0.2,0.3\nAccelerometer:\n0.01,0.{0},1.0\n", i + 10);
+  const auto format = guess(text);
+  ASSERT_TRUE(format.has_value());
+  EXPECT_THAT(format->refusal, HasSubstr("begin alike"));
+  std::string axes;
+  for (int i = 10; i < 30; ++i)
+    axes += fmt::format("Gyroscope:\n X: 0.{0} Y: 0.2 Z: 0.3\nAccelerometer:\n X: 0.01 Y: 0.{0} Z: 1.0\n", i);
+  EXPECT_THAT(guess(axes)->refusal, HasSubstr("begin alike"));
+  std::string units;
+  for (int i = 10; i < 30; ++i) units += fmt::format("0.{0} 0.2 0.3 o/s\n0.01 0.{0} 1.0 G\n", i);
+  EXPECT_THAT(guess(units)->refusal, HasSubstr("begin alike"));
+  std::string log;
+  for (int i = 10; i < 30; ++i)
+    log += fmt::format(
+        "I (10{0}) MPU: acc x=0.{0} y=0.2 z=9.8\nI (10{0}) MPU: gyro x=0.{0} y=0.2 z=0.3 dps, t=25.1\n", i);
+  EXPECT_THAT(guess(log)->refusal, HasSubstr("begin alike"));
+}
+
+TEST(TextLayouts, WithDecimalCommasAreRefusedWhereSomethingElseSeparates) {
+  for (const char* line :
+       {"0,35;1,20;-3,{}", "12345\t0,35\t1,20\t-3,{}", "gx:0,35 gy:1,20 gz:-3,{}", "0,35, 1,20, -3,{}"}) {
+    std::string text;
+    for (int i = 10; i < 30; ++i) text += fmt::format(fmt::runtime(line), i) + "\n";
+    const auto format = guess(text);
+    ASSERT_TRUE(format.has_value()) << line;
+    EXPECT_THAT(format->refusal, HasSubstr("decimal commas")) << line;
+    const auto scan =
+        scan_any_chunking<wire::GyroMessage>(text_scanner({}, sensors::StreamStart::at_line_start),
+                                             ByteVector(text.begin(), text.end()), Stream::ends);
+    EXPECT_EQ(scan.messages.size(), 0U) << line;
+  }
+  for (const char* line : {"0.35,1.20;-3.{}", "1,2,3;4,5,{}", "1, 2, {}"}) {
+    std::string text;
+    for (int i = 10; i < 30; ++i) text += fmt::format(fmt::runtime(line), i) + "\n";
+    EXPECT_THAT(guess(text)->refusal, IsEmpty()) << line;
+  }
+}
+
+TEST(TextLayouts, OfASensorThatNeverMovesAreDoubted) {
+  std::string text;
+  for (int i = 0; i < 20; ++i)
+    text += "AcX = -1 | AcY = -1 | AcZ = -1 | Tmp = 36.53 | GyX = -1 | GyY = -1 | GyZ = -1\n";
+  EXPECT_THAT(guess(text)->remarks, Contains(HasSubstr("no sensor behind it?")));
+}
+
+TEST(TextLayouts, OfFewDecimalsAreToldOnceWithTheCure) {
+  const auto remarks = [](const char* line) {
+    std::string text;
+    for (int i = 0; i < 20; ++i) text += fmt::format(fmt::runtime(line), i % 3) + "\n";
+    return guess(text)->remarks;
+  };
+  EXPECT_THAT(remarks("Gyro X: 0.0{} Y: 0.02 Z: 0.03 rad/s"),
+              ElementsAre(AllOf(HasSubstr("0.573 deg/s"), HasSubstr("Serial.print"))));
+  EXPECT_THAT(remarks("Gyro X: 0.000{} Y: 0.02 Z: 0.03 rad/s"), IsEmpty());
+  EXPECT_THAT(remarks("Gyro X: 0.0{} Y: 0.02 Z: 0.03 dps"), IsEmpty());
+}
+
+}  // namespace
+}  // namespace thermorig::test
