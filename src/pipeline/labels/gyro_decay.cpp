@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "gyro_integral.h"
-#include "intervals.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/intervals.h"
 #include "thermorig/pipeline/labels/servo_response.h"
 
 namespace thermorig::labels {
