@@ -11,7 +11,7 @@
 #include "print/output.h"
 #include "record_checks.h"
 #include "recording_setup.h"
-#include "thermorig/io/files/writable.h"
+#include "thermorig/io/files/disk.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/doctor/check.h"
 #include "thermorig/rig/doctor/checks.h"

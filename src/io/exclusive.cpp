@@ -12,7 +12,7 @@
 
 #include "port_list.h"
 #include "thermorig/core/error.h"
-#include "thermorig/io/holder.h"
+#include "thermorig/io/files/holder.h"
 
 namespace thermorig::io {
 
@@ -20,8 +20,8 @@ namespace {
 
 [[noreturn]] void refuse_in_use(const std::string& path, Refusal refusal) {
   throw Error(ExitCode::no_permission,
-              refusal == Refusal::brief ? "port is in use" : "port is in use by " + holder_of(path), path,
-              "stop that program, or choose another port");
+              refusal == Refusal::brief ? "port is in use" : "port is in use by " + files::holder_of(path),
+              path, "stop that program, or choose another port");
 }
 
 [[noreturn]] void refuse_open(const std::string& path, int error, Refusal refusal) {

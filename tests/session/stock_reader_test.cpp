@@ -6,6 +6,7 @@
 
 #include "equality.h"
 #include "format_1_file.h"
+#include "replace_session.h"
 #include "support/other_program.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"

@@ -7,12 +7,10 @@
 #include <vector>
 
 #include "thermorig/core/time.h"
-#include "thermorig/io/files/disk.h"
+#include "thermorig/io/files/file_lock.h"
 #include "thermorig/storage/session/session.h"
 
 namespace thermorig::rig {
-
-class FileLock;
 
 /// Where one acquisition goes: `<output>/<environment>/<environment>_acq-<nn>_<UTC start>.h5`, the journal
 /// beside it as `.journal`.
@@ -48,7 +46,7 @@ class FolderLock {
   std::filesystem::path folder_;
   std::string environment_;
   std::vector<std::filesystem::path> made_folders_;
-  std::unique_ptr<FileLock> lock_;
+  std::unique_ptr<files::FileLock> lock_;
 };
 
 /// "20260725T143512Z" from "2026-07-25T14:35:12.123456Z".
