@@ -25,6 +25,9 @@ struct FoundPorts {
   SavedProfile saved;
 
   bool is_whole_rig() const { return missing.empty() && ambiguous.empty(); }
+  /// Of a rig that is not whole no_permission, if a port that could be its rest may not be opened, or is in
+  /// use.
+  ExitCode code() const;
 };
 
 /// `profile` keeps everything but its ports: people edit such files.

@@ -57,7 +57,7 @@ ExitCode run(const PortsOptions& options) {
     print_json(json_of(found));
   else
     print("{}", text_of(found));
-  return found.is_whole_rig() ? ExitCode::ok : ExitCode::device_missing;
+  return found.code();
 }
 
 }  // namespace thermorig::app

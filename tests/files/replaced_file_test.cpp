@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 /// "code: what | advice", "" if nothing is refused.
-std::string refusal_of(const std::function<void()>& action) {
+std::string refused(const std::function<void()>& action) {
   try {
     action();
   } catch (const Error& error) {
@@ -109,10 +109,10 @@ TEST_F(KindOfPlace, ThatCannotTakeItIsRefusedBeforeAnythingIsWritten) {
       {"protected", folder_ / "protected", "7: cannot write the model: it is write-protected | choose"},
       {"a long name", folder_ / long_name, "7: cannot create the model: File name too long | choose a short"},
       {"no folder", folder_ / "no" / "a", "7: cannot create the model: No such file or directory | create"},
-      {"below a file", file_ / "a", "7: cannot write the model: Not a directory | create the folder first"}};
+      {"below a file", file_ / "a", "7: cannot create the model: Not a directory | create the folder first"}};
   const std::size_t before = entries();
   for (const Place& place : places)
-    EXPECT_THAT(refusal_of([&] { PartFile(ReplacedFile(place.path, "the model")); }),
+    EXPECT_THAT(refused([&] { PartFile(ReplacedFile(place.path, "the model")); }),
                 testing::StartsWith(place.refusal))
         << place.what;
   EXPECT_EQ(entries(), before);
@@ -133,19 +133,17 @@ TEST_F(KindOfPlace, ThatThisUserMayNotChangeIsRefused) {
 /// In a namespace of mounts that only a child has.
 TEST_F(KindOfPlace, ThatIsMountedByItselfIsRefused) {
   std::ofstream(folder_ / "source") << "mounted";
-  const int code = tests::code_as_nobody([] {}) == 99 ? 0 : [&] {
-    const pid_t process = ::fork();
-    if (process == 0) {
-      if (::unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0 ||
-          ::mount((folder_ / "source").c_str(), file_.c_str(), nullptr, MS_BIND, nullptr) != 0)
-        ::_exit(77);
-      const std::string refusal = refusal_of([&] { PartFile(ReplacedFile(file_, "the model")); });
-      ::_exit(refusal.starts_with("7: cannot write the model: it is mounted by itself") ? 0 : 1);
-    }
-    int status = 0;
-    ::waitpid(process, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }();
+  const pid_t process = ::fork();
+  if (process == 0) {
+    if (::unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0 ||
+        ::mount((folder_ / "source").c_str(), file_.c_str(), nullptr, MS_BIND, nullptr) != 0)
+      ::_exit(77);
+    const std::string refusal = refused([&] { PartFile(ReplacedFile(file_, "the model")); });
+    ::_exit(refusal.starts_with("7: cannot write the model: it is mounted by itself") ? 0 : 1);
+  }
+  int status = 0;
+  ::waitpid(process, &status, 0);
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   if (code == 77) GTEST_SKIP() << "this machine lets nobody have mounts of his own";
   EXPECT_EQ(code, 0);
 }
@@ -239,7 +237,7 @@ TEST_F(BesideAnotherProgram, ThatWritesItNothingIsReplacedAndItIsNamed) {
   for (const Way& way : {Way{"HDF5, open to write", O_RDWR, LOCK_EX},
                          Way{"HDF5 without locks (HDF5_USE_FILE_LOCKING=FALSE)", O_RDWR, 0}}) {
     const OtherProgram other(file_, way.flags, way.lock);
-    const std::string refusal = refusal_of([&] { ReplacedFile(file_, "the model").lock(); });
+    const std::string refusal = refused([&] { ReplacedFile(file_, "the model").lock(); });
     EXPECT_THAT(refusal, testing::StartsWith("6: the model is open to be written in " + other.name()))
         << way.what;
   }
@@ -248,7 +246,7 @@ TEST_F(BesideAnotherProgram, ThatWritesItNothingIsReplacedAndItIsNamed) {
 TEST_F(BesideAnotherProgram, ThatBeginsToWriteItLaterNothingIsReplaced) {
   PartFile part(ReplacedFile(file_, "the model"));
   const OtherProgram other(file_, O_RDWR, LOCK_EX);
-  EXPECT_THAT(refusal_of([&] { part.publish(); }), testing::StartsWith("6: the model was changed meanwhile"));
+  EXPECT_THAT(refused([&] { part.publish(); }), testing::StartsWith("6: the model was changed meanwhile"));
   EXPECT_EQ(tests::file_text(file_), "old");
 }
 
@@ -265,8 +263,7 @@ TEST_F(BesideAnotherProgram, ThatReadsItItIsReplaced) {
 TEST_F(BesideAnotherProgram, ThatReplacesItOneGoesOnAndTheOtherIsRefused) {
   ReplacedFile one(file_, "the model"), other(file_, "the model");
   one.lock();
-  EXPECT_THAT(refusal_of([&] { other.lock(); }),
-              testing::StartsWith("6: the model is open to be written in"));
+  EXPECT_THAT(refused([&] { other.lock(); }), testing::StartsWith("6: the model is open to be written in"));
 }
 
 /// What may happen between the look at a file and its replacement.
@@ -286,10 +283,10 @@ TEST_F(BesideAnotherProgram, ThatWasFasterItsFileStays) {
     std::ofstream(file_) << "old";
     ReplacedFile old(file_, "the model");
     change.make();
-    EXPECT_THAT(refusal_of([&] { old.lock(); }), testing::StartsWith("6: another program has just replaced"))
+    EXPECT_THAT(refused([&] { old.lock(); }), testing::StartsWith("6: another program has just replaced"))
         << change.what;
     PartFile part(std::move(old));
-    EXPECT_THAT(refusal_of([&] { part.publish(); }), testing::StartsWith("6: the model was changed mean"))
+    EXPECT_THAT(refused([&] { part.publish(); }), testing::StartsWith("6: the model was changed mean"))
         << change.what;
     EXPECT_EQ(fs::exists(file_) ? tests::file_text(file_) : "", change.then) << change.what;
   }

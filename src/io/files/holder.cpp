@@ -29,7 +29,8 @@ bool holds(const fs::path& process, const fs::path& path, Use use) {
   // Processes of other users cannot be looked into: the iterator then starts at its end.
   for (fs::directory_iterator fd(process / "fd", error), end; !error && fd != end; fd.increment(error)) {
     std::error_code gone;
-    if (fs::read_symlink(fd->path(), gone) != path) continue;
+    const fs::path held = fs::read_symlink(fd->path(), gone);
+    if (gone || held != path) continue;
     if (use == Use::any || can_write(process, fd->path().filename())) return true;
   }
   return false;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "thermorig/core/device.h"
+#include "thermorig/core/error.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/rig/discovery/port_loop.h"
 #include "thermorig/sensors/text_format.h"
@@ -36,6 +37,7 @@ struct PortFinding {
   std::string protocol;                            // of that role: a name of its table in sensors
   std::string how;                                 // evidence, ready to print; or "silent at 7 baud rates"
   std::string problem;                             // could not be opened: why; else empty
+  ExitCode code = ExitCode::ok;                    // of that problem
   double rate_hz = 0.0;                            // messages a second while listening
   std::optional<sensors::TextFormat> text_format;  // of a text gyro: its columns are a guess
 };
