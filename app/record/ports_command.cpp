@@ -44,13 +44,16 @@ ExitCode run(const PortsOptions& options) {
   if (ports.empty())
     throw Error(ExitCode::device_missing, "this machine has no serial port", "",
                 "plug the devices in; without hardware: thermorig simulate");
+  SavedProfile saved{.name = options.save, .file = {}};
+  if (!saved.name.empty()) {
+    saved.file = profile_path(saved.name);
+    rig::require_profile_storage(saved.file);
+  }
   if (!options.json) {
     print("listening to {} port{} for up to 6 s ...\n\n", ports.size(), ports.size() == 1 ? "" : "s");
     flush_output();
   }
   std::vector<rig::PortFinding> findings = rig::identify_devices(ports);
-  SavedProfile saved{.name = options.save, .file = {}};
-  if (!saved.name.empty()) saved.file = profile_path(saved.name);
   const FoundPorts found = found_ports(std::move(findings), profile_before(saved.file), saved);
   if (!saved.name.empty()) rig::write_profile(saved.file, found.profile);
   if (options.json)

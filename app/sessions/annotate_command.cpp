@@ -225,7 +225,10 @@ class Annotating {
     if (!options_.undo) session_.annotations.back().acquisition = annotation_.acquisition = next.acquisition;
     const session::Place place = session::place_of(session_);
     const fs::path target = folder / file_name(session_, place);
-    if (target == fs::absolute(old_.path())) return write_in_place();  // it has never left
+    if (target == fs::absolute(old_.path())) {  // it has never left
+      lock.reset();                             // as the file takes the same for its name
+      return write_in_place();
+    }
     if (is_taken(folder, place))
       throw Error(
           ExitCode::storage,

@@ -24,8 +24,9 @@ class OneFile : public ProgramTest {
 
   bool has_annotation(const fs::path& session, const std::string& text) const {
     const auto annotations = inspected(session)["annotations"];
-    return std::any_of(annotations.begin(), annotations.end(),
-                       [&](const auto& annotation) { return annotation["text"] == text; });
+    return std::any_of(annotations.begin(), annotations.end(), [&](const nlohmann::json& annotation) {
+      return annotation.value("text", annotation.value("environment", "")) == text;
+    });
   }
 
   /// The one session that there is; none of a move is left half done, and no part of any file.
@@ -105,16 +106,17 @@ TEST_F(OneFile, ThatIsWrittenAgainStaysPrivateAndBehindItsLink) {
   const std::string name = session.filename().string();
   fs::rename(session, folder() / "far" / name);
   fs::create_symlink(folder() / "far" / name, session);
-  ASSERT_EQ(run("dataset build recordings --author A --licence CC-BY-4.0").code, 0);
+  ASSERT_EQ(run("dataset build recordings --title T --author A --licence CC-BY-4.0").code, 0);
   fs::rename(folder() / "recordings" / "DATA_CARD.md", folder() / "far" / "card");
   fs::create_symlink("../far/card", folder() / "recordings" / "DATA_CARD.md");
   ASSERT_EQ(run("calibrate bias --world honest --simulated=3 --fast --save ./rig.toml").code, 0);
   fs::rename(folder() / "rig.toml", folder() / "far" / "rig.toml");
   fs::create_symlink("far/rig.toml", folder() / "rig.toml");
-  const Row rows[] = {{"annotate --note x " + session.string(), name},
-                      {"reprocess " + session.string(), name},
-                      {"calibrate bias --world honest --simulated=4 --fast --save ./rig.toml", "rig.toml"},
-                      {"dataset build --replace recordings --author B --licence CC-BY-4.0", "card"}};
+  const Row rows[] = {
+      {"annotate --note x " + session.string(), name},
+      {"reprocess " + session.string(), name},
+      {"calibrate bias --world honest --simulated=4 --fast --save ./rig.toml", "rig.toml"},
+      {"dataset build --replace recordings --title T --author B --licence CC-BY-4.0", "card"}};
   for (const Row& row : rows) {
     const fs::path file = folder() / "far" / row.file;
     fs::permissions(file, fs::perms{0600});
@@ -145,6 +147,16 @@ TEST_F(OneFile, OfANameThatLeavesNoRoomForAPartIsRefusedAtTheStart) {
     EXPECT_THAT(outcome.err, HasSubstr("shorter name")) << command;
     EXPECT_EQ(outcome.out, "") << "it has begun: " << command;
   }
+}
+
+/// What is built in memory has no disk to blame.
+TEST_F(OneFile, ThatNeedsMoreMemoryThanThereIsSaysSo) {
+  const std::string session = record_briefly().string(), before = file_text(session);
+  const Printed printed =
+      run_other("ulimit -v 60000; " + std::string(THERMORIG_PROGRAM) + " annotate --note x " + session);
+  EXPECT_EQ(printed.code, 1) << printed.text;
+  EXPECT_THAT(printed.text, HasSubstr("not enough memory"));
+  EXPECT_EQ(file_text(session), before);
 }
 
 class KilledMove : public OneFile {
@@ -207,11 +219,11 @@ TEST_F(KilledMove, LeavesAPartThatRecoverRemovesAndNames) {
   const std::string host = run_other("hostname").text;
   const fs::path part = session.string() + "." + host.substr(0, host.size() - 1) + ".1073741823.part";
   fs::copy_file(session, part);
+  EXPECT_THAT(run("doctor").out, HasSubstr(part.filename().string()));
   const Outcome outcome = run("recover recordings --json");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.lines()[0].back()["result"], "removed");
-  EXPECT_EQ(outcome.lines()[0].back()["source"],
-            "recordings" / part.lexically_relative(folder() / "recordings"));
+  EXPECT_EQ(outcome.lines()[0].back()["source"], part.lexically_relative(folder()).string());
   EXPECT_EQ(only_session(), session);
 }
 

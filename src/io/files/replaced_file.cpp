@@ -31,7 +31,7 @@ fs::path behind_links(fs::path path) {
 
 /// One who stays: of two that wanted the lock at the same time, one still has the file open when it goes.
 std::optional<std::string> lasting_writer_of(const fs::path& path) {
-  constexpr int looks = 10;
+  constexpr int looks = 50;
   std::optional<std::string> writer = other_holder_of(path, Use::writing);
   for (int look = 1; writer && look < looks; ++look) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -80,10 +80,9 @@ bool ReplacedFile::try_lock() {
 }
 
 void ReplacedFile::lock() {
-  const bool is_ours = try_lock();
+  if (!try_lock()) refuse_as_used(other_holder_of(path_, Use::writing).value_or(holder_of(path_)));
   // Locks can be turned off (HDF5_USE_FILE_LOCKING), and not every file system has them.
   if (const auto writer = lasting_writer_of(path_)) refuse_as_used(*writer);
-  if (!is_ours) refuse_as_used(holder_of(path_));
   if (!is_unchanged())
     throw Error(ExitCode::no_permission, fmt::format("another program has just replaced {}", noun_),
                 path_.string(), "try again");

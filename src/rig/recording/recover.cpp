@@ -213,4 +213,17 @@ std::vector<RecoveryResult> recover(const std::filesystem::path& path, files::Di
   return {already_there(path, path, disk)};
 }
 
+std::vector<std::filesystem::path> left_parts(const std::filesystem::path& folder, files::Disk& disk) {
+  std::vector<std::filesystem::path> parts;
+  for (const files::FolderEntry& entry : disk.list(folder).value) {
+    if (entry.kind == files::FileKind::folder) {
+      const auto below = left_parts(entry.path, disk);
+      parts.insert(parts.end(), below.begin(), below.end());
+    } else if (entry.kind == files::FileKind::file && files::left_part_of(entry.path)) {
+      parts.push_back(entry.path);
+    }
+  }
+  return parts;
+}
+
 }  // namespace thermorig::rig

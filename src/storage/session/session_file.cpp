@@ -57,7 +57,7 @@ std::string advice_to_replace(int error_number) {
     case EROFS:
       return "a folder that you may write to: copy the session there" + kept;
     default:
-      return "check the disk (dmesg)" + kept;
+      return files::usual_advice(error_number) + kept;
   }
 }
 
@@ -82,8 +82,19 @@ AddedByOthers added_to(const sandbox::SealedCopy& copy) {
   return added_by_others(copy);
 }
 
+/// It is built in memory: no disk has to do with what fails there.
+SessionImage image_of(const Session& session, const std::vector<StoredAttribute>& added,
+                      const fs::path& path) {
+  try {
+    return build_image(session, std::thread::hardware_concurrency(), added);
+  } catch (const Hdf5Failure& failure) {
+    throw Error(ExitCode::failed, fmt::format("{}: there is not enough memory", failure.what()),
+                path.string(), "close other programs, or raise its limit (ulimit -v), then try again");
+  }
+}
+
 void write_image(files::PartFile& part, const Session& session, const std::vector<StoredAttribute>& added) {
-  SessionImage image = build_image(session, std::thread::hardware_concurrency(), added);
+  SessionImage image = image_of(session, added, part.path());
   part.reserve(image.bytes.size());
   for (auto left = image.bytes; !left.empty(); left = left.subspan(std::min(left.size(), write_bytes)))
     part.write(left.first(std::min(left.size(), write_bytes)));

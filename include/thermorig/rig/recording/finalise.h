@@ -62,4 +62,9 @@ struct RecoveryResult {
 std::vector<RecoveryResult> recover(const std::filesystem::path& path,
                                     files::Disk& disk = files::real_disk());
 
+/// What killed programs left in a folder, at any depth, of files that they were writing: recover() removes
+/// it. Nothing of what cannot be read.
+std::vector<std::filesystem::path> left_parts(const std::filesystem::path& folder,
+                                              files::Disk& disk = files::real_disk());
+
 }  // namespace thermorig::rig
