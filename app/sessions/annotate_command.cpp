@@ -218,7 +218,9 @@ class Annotating {
   /// command finds both, and ends it.
   void move() {
     require_movable();
-    auto lock = std::make_unique<rig::FolderLock>(output_, session::place_of(session_).environment);
+    const std::string environment = session::place_of(session_).environment;
+    auto lock = std::make_unique<rig::FolderLock>(output_, environment);
+    remove_left_parts(output_ / environment);
     const rig::SessionFile next = lock->next(rig::compact_utc(session_.raw.header.start_time_utc));
     const fs::path folder = next.session.parent_path();
     if (const fs::path moved = moved_before(folder); !moved.empty()) return leave(moved);
@@ -241,9 +243,19 @@ class Annotating {
     leave(target);
   }
 
+  /// The end of its name, wherever it is.
+  std::string name_end() const { return "_" + rig::compact_utc(session_.raw.header.start_time_utc) + ".h5"; }
+
+  /// Of this session, by the same command before it was killed: they hold a number.
+  void remove_left_parts(const fs::path& folder) const {
+    for (const files::FolderEntry& entry : files::real_disk().list(folder).value)
+      if (const auto left = files::left_part_of(entry.path); left && left->string().ends_with(name_end()))
+        files::remove_unless_held(entry.path);
+  }
+
   /// The file that the same command made, before it was killed. Empty: there is none.
   fs::path moved_before(const fs::path& folder) {
-    const std::string end = "_" + rig::compact_utc(session_.raw.header.start_time_utc) + ".h5";
+    const std::string end = name_end();
     std::error_code hidden;
     for (const auto& entry : fs::directory_iterator(folder)) {
       if (!entry.path().filename().string().ends_with(end) || !entry.is_regular_file(hidden) ||

@@ -192,6 +192,23 @@ TEST_F(KilledMove, BackIsEndedByTheSameCommand) {
   EXPECT_EQ(only_session(), session);
 }
 
+TEST_F(KilledMove, ThatLeftAPartHasItsNumberAgain) {
+  const fs::path session = record_briefly();
+  const std::string host = run_other("hostname").text;
+  const auto left_part_at = [&](const fs::path& path) {
+    fs::create_directories(path.parent_path());
+    write(path.string() + "." + host.substr(0, host.size() - 1) + ".1073741823.part", {});
+  };
+  fs::path moved = folder() / "recordings" / "kitchen" / session.filename();
+  moved.replace_filename("kitchen" + session.filename().string().substr(std::string("garden").size()));
+  left_part_at(moved);
+  EXPECT_EQ(run("annotate " + session.string() + " --environment kitchen").code, 0);
+  EXPECT_EQ(only_session(), moved);
+  left_part_at(session);
+  EXPECT_EQ(run("annotate " + moved.string() + " --undo").code, 0);
+  EXPECT_EQ(only_session(), session);
+}
+
 TEST_F(KilledMove, WhoseOldFileWasAnnotatedMeanwhileIsNotEndedSilently) {
   const fs::path session = record_briefly();
   moved_but_not_gone(session, "--environment kitchen");

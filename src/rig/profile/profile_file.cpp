@@ -62,7 +62,8 @@ const std::filesystem::path& with_folder(const std::filesystem::path& path) {
   std::error_code failure;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), failure);
   if (!failure) return path;
-  throw Error(ExitCode::storage, "the folder of the rig profile cannot be made: " + failure.message(),
+  throw Error(ExitCode::storage,
+              "the rig profile cannot be written: its folder cannot be made: " + failure.message(),
               path.string(), files::usual_advice(failure.value()));
 }
 
