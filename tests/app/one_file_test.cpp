@@ -139,7 +139,8 @@ TEST_F(OneFile, OfANameThatLeavesNoRoomForAPartIsRefusedAtTheStart) {
   const fs::path named = folder() / (std::string(240, 'x') + ".h5");
   fs::rename(session, named);
   for (const std::string& command :
-       {"annotate --note x " + named.string(), "reprocess " + named.string(),
+       {"annotate --note x " + named.string(), "train . -o " + std::string(245, 'm') + ".onnx",
+        "reprocess " + named.string(),
         "live --replay " + named.string() + " --speed max --map " + std::string(250, 'm'),
         "calibrate bias --simulated=3 --fast --save ./" + std::string(245, 'p') + ".toml"}) {
     const Outcome outcome = run(command);
