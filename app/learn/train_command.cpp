@@ -12,6 +12,7 @@
 #include "options.h"
 #include "session_data.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/replaced_file.h"
 #include "thermorig/io/port.h"
 #include "thermorig/learning/training/run_folder.h"
 #include "thermorig/learning/training/thread_pool.h"
@@ -48,9 +49,14 @@ bool is_free(const fs::path& output, const fs::path& written) {
   return !fs::exists(output, hidden) || same_bytes(output, written);
 }
 
-/// Throws Error(bad_usage) if it may not.
+/// Throws Error(bad_usage) if it may not, and Error(storage) where a folder that is there takes none.
 void require_free(const fs::path& output, const fs::path& written) {
-  if (is_free(output, written)) return;
+  if (is_free(output, written)) {
+    std::error_code hidden;
+    if (!fs::is_directory(files::folder_of(output), hidden)) return;  // it will be made
+    files::PartFile part(files::ReplacedFile(output, "the model"));   // hours later it would be too late
+    return;
+  }
   throw Error(ExitCode::bad_usage, "there is a file already, and a model is never overwritten",
               output.string(), "another name with -o, or move that one away");
 }

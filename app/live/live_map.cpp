@@ -8,7 +8,6 @@
 #include "print/map_text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
-#include "thermorig/io/files/writable.h"
 
 namespace thermorig::app {
 
@@ -25,14 +24,6 @@ void require_folder(const fs::path& path) {
   if (fs::is_directory(folder, hidden)) return;
   throw Error(ExitCode::bad_usage, "the folder of the map is not there", path.string(),
               "mkdir -p " + folder.string());
-}
-
-/// Before anything moves: a run whose map cannot be kept would be in vain.
-void require_writable(const fs::path& path) {
-  const std::string why = files::hindrance_of_writing(path);
-  if (why.empty()) return;
-  throw Error(ExitCode::storage, "the map could not be written at the end: " + why, path.string(),
-              "give --map a file and a folder that you may write to");
 }
 
 map_file::StoredMap read_map(const fs::path& path) {
@@ -62,12 +53,12 @@ std::string how_to_make_again(const fs::path& map, const fs::path& session) {
 
 LiveMap::LiveMap(fs::path path, const CameraProfile& camera, bool simulated) : path_(std::move(path)) {
   if (path_.empty()) return;
-  file_ = files::behind_links(path_);
-  require_folder(file_);
-  before_ = files::identity_of(file_);
-  std::error_code hidden;  // what cannot be looked at is refused when it is read
-  if (fs::status(path_, hidden).type() != fs::file_type::not_found) begin_with_file(camera, simulated);
-  require_writable(file_);
+  files::ReplacedFile old = map_file::replaced_map(path_);
+  require_folder(old.path());
+  if (old.exists()) begin_with_file(camera, simulated);
+  // Before anything moves: a run whose map cannot be kept would be in vain.
+  part_ = std::make_unique<files::PartFile>(std::move(old));
+  part_->reserve(map_file::file_bytes_max);
 }
 
 void LiveMap::begin_with_file(const CameraProfile& camera, bool simulated) {
@@ -97,7 +88,7 @@ std::optional<std::string> LiveMap::news(odometer::MapUse use) {
 }
 
 std::optional<std::string> LiveMap::write(const std::optional<odometer::Map>& map, odometer::MapUse use,
-                                          const RecordingHeader& header, const fs::path& session) const {
+                                          const RecordingHeader& header, const fs::path& session) {
   if (path_.empty()) return std::nullopt;
   const bool is_other = map_ && use != odometer::MapUse::found;
   if (is_other) return fmt::format("map {}: it was not recognised, and stays as it is", path_.string());
@@ -117,16 +108,16 @@ std::optional<std::string> LiveMap::write(const std::optional<odometer::Map>& ma
 
 std::string LiveMap::written_text(const fs::path& written, double seen_share) const {
   const std::string share = fmt::format("with {:.0f} % of the surroundings", 100.0 * seen_share);
-  if (written == file_) return fmt::format("map {}: written, {}", path_.string(), share);
+  if (written == part_->path()) return fmt::format("map {}: written, {}", path_.string(), share);
   return fmt::format(
       "map {0}: another program wrote it meanwhile, and it stays as it is; this run's map is in {1}, {2} "
       "(what both are: thermorig inspect {0} {1})",
       path_.string(), written.string(), share);
 }
 
-fs::path LiveMap::kept_at(const map_file::StoredMap& stored, const fs::path& session) const {
+fs::path LiveMap::kept_at(const map_file::StoredMap& stored, const fs::path& session) {
   try {
-    return map_file::write_map(file_, before_, stored);
+    return map_file::write_map(*part_, stored);
   } catch (const Error& error) {
     throw Error(error.code(), error.what_happened(), path_.string(),
                 error.advice() + "; " + how_to_make_again(path_, session));

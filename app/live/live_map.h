@@ -31,19 +31,17 @@ class LiveMap {
   /// says so, or why not. Nothing without a path. `session`: that of the run, empty if none is kept. Throws
   /// Error(storage), which says how to make the map again.
   std::optional<std::string> write(const std::optional<odometer::Map>& map, odometer::MapUse use,
-                                   const RecordingHeader& header, const std::filesystem::path& session) const;
+                                   const RecordingHeader& header, const std::filesystem::path& session);
 
  private:
   void begin_with_file(const CameraProfile& camera, bool simulated);
   std::string opening() const;
   std::string written_text(const std::filesystem::path& written, double seen_share) const;
   /// Writes it; returns where.
-  std::filesystem::path kept_at(const map_file::StoredMap& stored,
-                                const std::filesystem::path& session) const;
+  std::filesystem::path kept_at(const map_file::StoredMap& stored, const std::filesystem::path& session);
 
-  std::filesystem::path path_;  // as it was given
-  std::filesystem::path file_;  // where its links lead
-  std::optional<files::FileIdentity> before_;
+  std::filesystem::path path_;             // as it was given
+  std::unique_ptr<files::PartFile> part_;  // its room is taken before the run
   std::shared_ptr<const odometer::Map> map_;
   std::string origin_;  // where the map is from, in words
   std::optional<odometer::MapUse> told_;

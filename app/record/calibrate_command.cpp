@@ -174,12 +174,14 @@ void print_result_json(const CalibrateOptions& options, const MeasuredSessions& 
 }
 
 /// What was measured is not lost where it cannot be written: the session is there, and how to take it again.
-void keep(const MeasuredSessions& measured, RigProfile profile, const std::filesystem::path& path,
-          const std::string& next) {
-  std::visit([&](const auto& found) { calibration::apply(found, measured.measured_utc, profile); },
-             measured.result);
+void keep(const CalibrateOptions& options, const MeasuredSessions& measured,
+          const std::filesystem::path& path, const std::string& next) {
   try {
-    rig::write_profile(path, profile);
+    rig::ProfileFile file(path);  // what another calibration has written by now stays
+    RigProfile profile = profile_before(options, path, measured.header);
+    std::visit([&](const auto& found) { calibration::apply(found, measured.measured_utc, profile); },
+               measured.result);
+    file.write(profile);
   } catch (const Error& error) {
     throw Error(error.code(), error.what_happened(), error.where(), next);
   }
@@ -198,7 +200,7 @@ ExitCode calibrate(const CalibrateOptions& options, const std::vector<std::files
     print_result_json(options, measured, before, path);
   else
     print_result(measured, before);
-  if (!path.empty()) keep(measured, before, path, next);
+  if (!path.empty()) keep(options, measured, path, next);
   if (!json) print_kept(path, next);
   require_told(unwritten, path.empty() ? next : "the result is in " + path.string());
   return ExitCode::ok;

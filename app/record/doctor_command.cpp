@@ -11,10 +11,11 @@
 #include "print/output.h"
 #include "record_checks.h"
 #include "recording_setup.h"
-#include "thermorig/io/files/writable.h"
+#include "thermorig/io/files/disk.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/doctor/check.h"
 #include "thermorig/rig/doctor/checks.h"
+#include "thermorig/rig/recording/finalise.h"
 #include "thermorig/rig/recording/port_recording.h"
 #include "thermorig/rig/recording/virtual_recording.h"
 #include "virtual_bus.h"
@@ -132,6 +133,8 @@ void add_rig_checks(const RecordOptions& options, const ChosenRig& rig, Checks& 
 
 Checks all_checks(const RecordOptions& options) {
   Checks checks;
+  const auto left = doctor::judge_left_parts(options.output, rig::left_parts(options.output));
+  if (left) checks.push_back(*left);
   if (!names_rig(options.rig)) {
     add(checks, doctor::judge_host(doctor::look_at_host("/", {})));
     checks.push_back(disk_check(options, RigProfile()));

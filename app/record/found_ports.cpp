@@ -157,6 +157,14 @@ FoundPorts found_ports(std::vector<PortFinding> findings, const RigProfile& prof
   return found;
 }
 
+ExitCode FoundPorts::code() const {
+  if (is_whole_rig()) return ExitCode::ok;
+  const bool is_barred = std::any_of(findings.begin(), findings.end(), [](const PortFinding& finding) {
+    return finding.code == ExitCode::no_permission;
+  });
+  return is_barred ? ExitCode::no_permission : ExitCode::device_missing;
+}
+
 std::string text_of(const FoundPorts& found) {
   std::string text = table_text(found.findings);
   for (const std::string& sentence : found.ambiguous)

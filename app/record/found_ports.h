@@ -31,6 +31,9 @@ struct FoundPorts {
     return std::all_of(all_devices.begin(), all_devices.end(),
                        [&](Device device) { return !profile.link(device).port.empty(); });
   }
+  /// Of a rig that is not whole no_permission, if a port that could be its rest may not be opened, or is in
+  /// use.
+  ExitCode code() const;
 };
 
 /// `profile` keeps everything but its ports: people edit such files.

@@ -70,13 +70,16 @@ ExitCode run(const PortsOptions& options) {
   if (ports.empty())
     throw Error(ExitCode::device_missing, "this machine has no serial port", "",
                 "plug the devices in; without hardware: thermorig simulate");
+  SavedProfile saved{.name = options.save, .file = {}};
+  if (!saved.name.empty()) {
+    saved.file = profile_path(saved.name);
+    rig::require_profile_storage(saved.file);
+  }
   if (!options.json) {
     print("listening to {} port{} for up to 6 s ...\n\n", ports.size(), ports.size() == 1 ? "" : "s");
     flush_output();
   }
   std::vector<rig::PortFinding> findings = rig::identify_devices(ports);
-  SavedProfile saved{.name = options.save, .file = {}};
-  if (!saved.name.empty()) saved.file = profile_path(saved.name);
   if (!saved.name.empty() && talks_to_a_person(options))
     for (rig::PortFinding& finding : findings)
       if (finding.role && !finding.is_known()) ask_for_hand_turn(finding);
@@ -86,7 +89,7 @@ ExitCode run(const PortsOptions& options) {
     print_json(json_of(found));
   else
     print("{}", text_of(found));
-  return found.is_whole_rig() ? ExitCode::ok : ExitCode::device_missing;
+  return found.code();
 }
 
 }  // namespace thermorig::app

@@ -12,7 +12,7 @@
 
 #include "print/output.h"
 #include "record_yield.h"
-#include "thermorig/io/files/writable.h"
+#include "thermorig/io/files/disk.h"
 #include "thermorig/io/port.h"
 #include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/rig/sweep/expected_size.h"

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstring>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -67,15 +69,24 @@ Annotation annotation_of(const AnnotateOptions& options) {
   return annotation;
 }
 
-/// The folder that holds those of the environments: recordings/garden/garden_acq-01_... lies in recordings.
-fs::path output_of(const fs::path& file, const session::Place& place) {
-  const fs::path folder = fs::absolute(file).parent_path();
-  return folder.filename() == place.environment ? folder.parent_path() : folder;
-}
-
 std::string file_name(const Session& session, const session::Place& place) {
   return fmt::format("{}_acq-{:02}_{}.h5", place.environment, place.acquisition,
                      rig::compact_utc(session.raw.header.start_time_utc));
+}
+
+/// Has it ever been of that environment?
+bool was_of(const Session& session, const std::string& environment) {
+  const auto says_so = [&](const Annotation& annotation) {
+    return annotation.kind == AnnotationKind::environment && annotation.text == environment;
+  };
+  return session.raw.header.environment == environment ||
+         std::any_of(session.annotations.begin(), session.annotations.end(), says_so);
+}
+
+/// The folder that holds those of the environments: recordings/garden/garden_acq-01_... lies in recordings.
+fs::path output_of(const fs::path& file, const Session& session) {
+  const fs::path folder = fs::absolute(file).parent_path();
+  return was_of(session, folder.filename()) ? folder.parent_path() : folder;
 }
 
 /// Whether a file of the folder has that number, whatever its date.
@@ -87,23 +98,39 @@ bool is_taken(const fs::path& folder, const session::Place& place) {
   return std::any_of(fs::directory_iterator(folder), fs::directory_iterator(), has_it);
 }
 
-/// Gives a session that belongs to another environment its place there. Nothing is overwritten.
-fs::path move_to(const fs::path& file, const fs::path& target) {
-  std::error_code failure;
-  fs::create_hard_link(file, target, failure);  // refuses a name that is taken, which rename() does not
-  if (!failure) fs::remove(file, failure);
-  if (failure)
-    throw Error(ExitCode::storage, "the session was annotated, but could not be moved: " + failure.message(),
-                target.string(),
-                "move it yourself: mv " + shell_word(file.string()) + " " + shell_word(target.string()));
-  return target;
+bool is_same_recording(const RawRecording& one, const RawRecording& other) {
+  const auto has_same_bytes = [&](Device device) {
+    return one.received[device].bytes == other.received[device].bytes;
+  };
+  return one.header.uuid == other.header.uuid &&
+         std::all_of(all_devices.begin(), all_devices.end(), has_same_bytes);
+}
+
+/// Nothing of what is no session: what else has such a name is in nobody's way.
+std::optional<Session> session_at(const fs::path& path) {
+  try {
+    return session::read_session(path);
+  } catch (const Error& error) {
+    if (error.code() == ExitCode::not_a_session) return std::nullopt;
+    throw;
+  }
+}
+
+files::ReplacedFile locked(const fs::path& path) {
+  files::ReplacedFile old = session::replaced_session(path);
+  old.lock();
+  return old;
 }
 
 /// One call of the command.
 class Annotating {
  public:
   explicit Annotating(const AnnotateOptions& options)
-      : options_(options), session_(session::read_session(options.file)), file_(options.file) {
+      : options_(options),
+        old_(locked(options.file)),
+        session_(session::read_session(options.file)),
+        output_(output_of(old_.path(), session_)),
+        file_(options.file) {
     if (session_.format_major < 2)
       throw Error(ExitCode::bad_usage, "is of an older format, which has no annotations",
                   options.file.string(), "thermorig reprocess " + shell_word(options.file.string()));
@@ -115,8 +142,10 @@ class Annotating {
       take_back();
     else
       add(annotation_of(options_));
-    if (session::place_of(session_) != before) return write_and_move(before);
-    write();
+    if (session::place_of(session_) != before || is_left_behind_)
+      move();
+    else
+      write_in_place();
   }
 
   const Session& session() const { return session_; }
@@ -141,7 +170,7 @@ class Annotating {
                   "take some back: --undo");
     if (annotation.kind == AnnotationKind::environment &&
         annotation.text == session::place_of(session_).environment)
-      refuse_words("it belongs to " + annotation.text + " already", "another environment");
+      return go_on_moving(annotation.text);
     annotation_ = annotation;
     session_.annotations.push_back(std::move(annotation));
     apply();
@@ -149,6 +178,18 @@ class Annotating {
       refuse_words("no frame that is not excluded already was exposed in that time",
                    fmt::format("seconds since its start, 0..{:.1f}",
                                to_s(session_.raw.end_time - session_.raw.header.time_reference)));
+  }
+
+  /// A file that says where it belongs and still has its name of before: as earlier versions left it when
+  /// they were killed.
+  void go_on_moving(const std::string& environment) {
+    Session before{.raw = {.header = session_.raw.header}, .annotations = session_.annotations};
+    if (!before.annotations.empty()) before.annotations.pop_back();
+    const session::Place place = session::place_of(before);
+    is_left_behind_ =
+        place != session::place_of(session_) && old_.path().filename() == file_name(before, place);
+    if (!is_left_behind_) refuse_words("it belongs to " + environment + " already", "another environment");
+    annotation_ = session_.annotations.back();
   }
 
   void apply() {
@@ -159,41 +200,116 @@ class Annotating {
       if (session_.samples[i].reason_bits != before[i]) ++frames_changed_;
   }
 
-  void write() { left_out_ = session::replace_session(file_, session_); }
-
-  /// Of a journal that is still there `recover` would make the session again, where it was.
-  void require_no_journal() const {
-    const fs::path journal = fs::path(file_).replace_extension(".journal");
-    if (!fs::exists(journal)) return;
-    throw Error(ExitCode::bad_usage, "its journal is still beside it, and would be made a session again",
-                journal.string(),
-                "thermorig recover " + shell_word(journal.string()) + ", then move the journal away");
+  void write_in_place() {
+    files::PartFile part(std::move(old_));
+    left_out_ = session::write_again(part, part.path(), session_);
+    part.publish();
   }
 
-  /// The number is chosen, and the name taken, while nobody else may take one there.
-  void write_and_move(const session::Place& before) {
-    require_no_journal();
-    const rig::FolderLock lock(output_of(file_, before), session::place_of(session_).environment);
-    const rig::SessionFile next = lock.next(rig::compact_utc(session_.raw.header.start_time_utc));
+  void require_movable() const {
+    const fs::path journal = fs::path(old_.path()).replace_extension(".journal");
+    if (fs::exists(journal))  // of which `recover` would make the session again, where it was
+      throw Error(ExitCode::bad_usage, "its journal is still beside it, and would be made a session again",
+                  journal.string(),
+                  "thermorig recover " + shell_word(journal.string()) + ", then move the journal away");
+    if (fs::is_symlink(file_))
+      throw Error(ExitCode::bad_usage, "this symbolic link would then lead nowhere", file_.string(),
+                  "name the file that it leads to: " + old_.path().string());
+  }
+
+  /// First the new file, whole and under its new name, then the old one goes. Killed in between, the same
+  /// command finds both, and ends it.
+  void move() {
+    require_movable();
+    const std::string environment = session::place_of(session_).environment;
+    auto lock = std::make_unique<rig::FolderLock>(output_, environment);
+    remove_left_parts(output_ / environment);
+    const rig::SessionFile next = lock->next(rig::compact_utc(session_.raw.header.start_time_utc));
+    const fs::path folder = next.session.parent_path();
+    if (const fs::path moved = moved_before(folder); !moved.empty()) return leave(moved);
     if (!options_.undo) session_.annotations.back().acquisition = annotation_.acquisition = next.acquisition;
     const session::Place place = session::place_of(session_);
-    const fs::path folder = next.session.parent_path();
+    const fs::path target = folder / file_name(session_, place);
+    if (target == fs::absolute(old_.path())) {  // it has never left
+      lock.reset();                             // as the file takes the same for its name
+      return write_in_place();
+    }
     if (is_taken(folder, place))
       throw Error(
           ExitCode::storage,
           fmt::format("another one has become {} acquisition {}", place.environment, place.acquisition),
           folder.string(), "annotate that one first: --environment NAME");
-    write();
-    const fs::path moved = move_to(file_, folder / file_name(session_, place));
+    files::PartFile part(target, old_);
+    lock.reset();  // the part's name has the number, so that nobody else takes it
+    left_out_ = session::write_again(part, old_.path(), session_);
+    part.publish();
+    leave(target);
+  }
+
+  /// The end of its name, wherever it is.
+  std::string name_end() const { return "_" + rig::compact_utc(session_.raw.header.start_time_utc) + ".h5"; }
+
+  /// Of this session, by the same command before it was killed: they hold a number.
+  void remove_left_parts(const fs::path& folder) const {
+    for (const files::FolderEntry& entry : files::real_disk().list(folder).value)
+      if (const auto left = files::left_part_of(entry.path); left && left->string().ends_with(name_end()))
+        files::remove_unless_held(entry.path);
+  }
+
+  /// The file that the same command made, before it was killed. Empty: there is none.
+  fs::path moved_before(const fs::path& folder) {
+    const std::string end = name_end();
+    std::error_code hidden;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (!entry.path().filename().string().ends_with(end) || !entry.is_regular_file(hidden) ||
+          fs::equivalent(entry.path(), old_.path(), hidden))
+        continue;
+      const auto other = session_at(entry.path());
+      if (!other || !is_same_recording(other->raw, session_.raw)) continue;
+      require_same_words(*other, entry.path());
+      session_.annotations = other->annotations;
+      if (!options_.undo) annotation_ = other->annotations.back();
+      return entry.path();
+    }
+    return {};
+  }
+
+  void require_same_words(const Session& other, const fs::path& path) const {
+    const std::vector<Annotation>&own = session_.annotations, &there = other.annotations;
+    std::size_t same = own.size();
+    if (!options_.undo) --same;  // the last one has its own time and number
+    if (there.size() == own.size() &&
+        std::equal(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(same), there.begin()) &&
+        session::place_of(other).environment == session::place_of(session_).environment)
+      return;
+    throw Error(ExitCode::bad_usage, "the same recording is there already, with other annotations",
+                path.string(),
+                "see which one to keep, and remove the other: thermorig inspect " + old_.path().string() +
+                    " " + path.string());
+  }
+
+  /// All of it is at its new place.
+  void leave(const fs::path& moved) {
+    files::Disk& disk = files::real_disk();
+    if (const int failed = disk.remove(old_.path()); failed != 0)
+      throw Error(ExitCode::storage,
+                  fmt::format("the session is at its new place, but its old file cannot be removed: {}",
+                              std::strerror(failed)),
+                  old_.path().string(), "remove it yourself: rm " + old_.path().string());
+    disk.sync_folder(
+        files::folder_of(old_.path()));  // else it comes back after a loss of power: and is moved again
     file_ = file_.is_relative() ? moved.lexically_proximate(fs::current_path()) : moved;
   }
 
   const AnnotateOptions& options_;
+  files::ReplacedFile old_;
   Session session_;
+  fs::path output_;  // the folder that holds those of the environments
   fs::path file_;
   Annotation annotation_;
   std::vector<std::string> left_out_;
   std::size_t frames_changed_ = 0;
+  bool is_left_behind_ = false;
 };
 
 void print_words(const Annotating& done, bool undone) {

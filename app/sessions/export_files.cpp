@@ -39,7 +39,7 @@ void ExportFile::write(std::span<const std::byte> bytes) {
 
 void ExportFile::publish() {
   part_.sync();
-  part_.publish(false);
+  part_.publish();
 }
 
 void write_new_files(const std::vector<NewFile>& files) {

@@ -17,7 +17,7 @@ using rig::RecoveryKind;
 using rig::RecoveryResult;
 
 std::string name_of(RecoveryKind kind) {
-  static constexpr std::array names{"recovered", "already there", "empty", "failed", "in use"};
+  static constexpr std::array names{"recovered", "already there", "empty", "failed", "in use", "removed"};
   return names[static_cast<std::size_t>(kind)];
 }
 
@@ -25,14 +25,6 @@ ExitCode code_of(const RecoveryResult& result) {
   if (result.kind == RecoveryKind::failed) return result.code;
   if (result.kind == RecoveryKind::in_use) return ExitCode::no_permission;
   return result.bytes_ignored > 0 ? ExitCode::finished_lossy : ExitCode::ok;
-}
-
-std::string removed_text(const RecoveryResult& result) {
-  std::string text;
-  for (const auto& part : result.removed)
-    text += fmt::format("               removed {}, which a killed program left behind\n",
-                        printable(part.string()));
-  return text;
 }
 
 std::string loss_text(const RecoveryResult& result) {
@@ -47,15 +39,12 @@ std::string text_of(const RecoveryResult& result) {
   if (result.session.empty())
     return fmt::format("{:<14} {}\n               {}\n", name_of(result.kind),
                        printable(result.source.string()), printable(result.message));
-  return fmt::format("{:<14} {}\n               {} frames, {} valid, from {} chunks; {}\n{}",
+  return fmt::format("{:<14} {}\n               {} frames, {} valid, from {} chunks; {}\n",
                      name_of(result.kind), printable(result.session.string()), count_text(result.frames),
-                     count_text(result.valid), count_text(result.chunks), loss_text(result),
-                     removed_text(result));
+                     count_text(result.valid), count_text(result.chunks), loss_text(result));
 }
 
 nlohmann::json json_of(const RecoveryResult& result) {
-  nlohmann::json removed = nlohmann::json::array();
-  for (const auto& part : result.removed) removed.push_back(part.string());
   return {{"result", name_of(result.kind)},
           {"source", result.source.string()},
           {"session", result.session.string()},
@@ -64,7 +53,6 @@ nlohmann::json json_of(const RecoveryResult& result) {
           {"chunks", result.chunks},
           {"bytes_lost", result.bytes_ignored},
           {"message", result.message},
-          {"removed", removed},
           {"exit_code", static_cast<int>(code_of(result))}};
 }
 

@@ -86,7 +86,14 @@ struct MadeAgain {
   std::vector<std::string> applied;
 };
 
-MadeAgain make_again(const std::filesystem::path& path, const std::vector<Annotation>& annotations,
+files::ReplacedFile locked(const std::filesystem::path& path) {
+  files::ReplacedFile old = session::replaced_session(path);
+  old.lock();
+  return old;
+}
+
+MadeAgain make_again(files::PartFile& part, const std::filesystem::path& path,
+                     const std::vector<Annotation>& annotations,
                      const std::optional<RigProfile>& calibrated) {
   RawRecording raw = session::read_raw(path);
   std::vector<std::string> names;
@@ -98,7 +105,8 @@ MadeAgain make_again(const std::filesystem::path& path, const std::vector<Annota
   MadeAgain made{rig::build_session(std::move(raw)), {}, std::move(names)};
   made.session.annotations = annotations;
   session::apply_exclusions(made.session);
-  made.left_out = session::replace_session(path, made.session);
+  made.left_out = session::write_again(part, path, made.session);
+  part.publish();
   return made;
 }
 
@@ -150,6 +158,7 @@ std::string words_of(const std::vector<std::string>& calibrations) {
 void check_files(const std::vector<std::filesystem::path>& files) {
   for (const auto& path : files) {
     spill::arrays_near(path);
+    const files::PartFile room(locked(path));
     session::read_raw(path);
   }
 }
@@ -164,8 +173,9 @@ ExitCode run(const ReprocessOptions& options) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& path : files) {
     spill::arrays_near(path);
+    files::PartFile part(locked(path));
     const State before = state_before(path);
-    const MadeAgain made = make_again(path, before.annotations, calibrated);
+    const MadeAgain made = make_again(part, path, before.annotations, calibrated);
     const State after = state_of(made.session, session::quality_of(made.session));
     list.push_back(object_of(path, before, after));
     list.back()["left_out"] = made.left_out;

@@ -12,16 +12,25 @@
 
 #include "port_list.h"
 #include "thermorig/core/error.h"
-#include "thermorig/io/holder.h"
+#include "thermorig/io/files/holder.h"
 
 namespace thermorig::io {
 
 namespace {
 
-[[noreturn]] void refuse_in_use(const std::string& path, Refusal refusal) {
-  throw Error(ExitCode::no_permission,
-              refusal == Refusal::brief ? "port is in use" : "port is in use by " + holder_of(path), path,
+[[noreturn]] void refuse_in_use(const std::string& path, const std::string& by_whom) {
+  throw Error(ExitCode::no_permission, "port is in use" + by_whom, path,
               "stop that program, or choose another port");
+}
+
+[[noreturn]] void refuse_in_use(const std::string& path, Refusal refusal) {
+  refuse_in_use(path, refusal == Refusal::brief ? "" : " by " + files::holder_of(path));
+}
+
+/// Who only reads (`cat`) takes no lock, and takes bytes: each one goes to one of two readers.
+void require_no_other_reader(const std::string& path, Refusal refusal) {
+  if (refusal == Refusal::brief) return;
+  if (const auto reader = files::other_holder_of(path)) refuse_in_use(path, " by " + *reader);
 }
 
 [[noreturn]] void refuse_open(const std::string& path, int error, Refusal refusal) {
@@ -49,7 +58,10 @@ files::Descriptor open_exclusively(const std::string& path, Refusal refusal) {
 files::Descriptor lock_exclusively(files::Descriptor port, const std::string& path, Refusal refusal) {
   // TIOCEXCL does not stop root, so the lock is what two recorders see; pyserial's exclusive=True uses it
   // too.
-  if (flock(port.get(), LOCK_EX | LOCK_NB) == 0) return port;
+  if (flock(port.get(), LOCK_EX | LOCK_NB) == 0) {
+    require_no_other_reader(path, refusal);
+    return port;
+  }
   port.close();  // else this process would be named, which holds it as well
   refuse_in_use(path, refusal);
 }

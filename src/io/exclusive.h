@@ -14,7 +14,8 @@ namespace thermorig::io {
 files::Descriptor open_exclusively(const std::string& path, Refusal refusal);
 
 /// Takes the lock that every thermorig takes on its ports; it goes with the descriptor. `path`: of what is
-/// open. Throws Error(no_permission) if somebody else has it.
+/// open. Throws Error(no_permission) if somebody else has it, or, unless it is to be brief, has the port open
+/// without it.
 files::Descriptor lock_exclusively(files::Descriptor port, const std::string& path, Refusal refusal);
 
 }  // namespace thermorig::io

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "thermorig/core/error.h"
-#include "thermorig/io/holder.h"
+#include "thermorig/io/files/holder.h"
 
 namespace thermorig::io {
 
@@ -27,7 +27,7 @@ bool is_pseudo_terminal_path(const std::string& path) {
 std::optional<std::string> path_behind(const std::string& name) {
   try {
     const std::string path = resolve_port(name);
-    return is_pseudo_terminal_path(path) && other_holder_of(path) ? std::nullopt : std::optional(path);
+    return is_pseudo_terminal_path(path) && files::other_holder_of(path) ? std::nullopt : std::optional(path);
   } catch (const Error&) {
     return std::nullopt;
   }

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "program.h"
+#include "session/replace_session.h"
 #include "support/file_text.h"
 #include "thermorig/network/model/model.h"
 #include "thermorig/storage/session/session.h"

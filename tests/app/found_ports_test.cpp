@@ -46,6 +46,17 @@ class PortsThatWereHeard : public ::testing::Test {
   rig::test::VirtualPorts ports_{simulation::default_rig(3, "garden")};
 };
 
+TEST(FoundPorts, ThatMayNotBeOpenedEndWithAnotherCodeThanMissingOnes) {
+  const auto code = [](ExitCode of_port) {
+    rig::PortFinding finding{.info = {.path = "/dev/ttyUSB0"},
+                             .problem = "port is in use by process 7 (cat)"};
+    finding.code = of_port;
+    return found_ports({finding}, RigProfile{}, {}).code();
+  };
+  EXPECT_EQ(code(ExitCode::no_permission), ExitCode::no_permission);
+  EXPECT_EQ(code(ExitCode::device_missing), ExitCode::device_missing);
+}
+
 TEST_F(PortsThatWereHeard, AreToldInTheOrderOfTheirRolesWithWhatToTypeNext) {
   const auto& paths = ports_.paths();
   const FoundPorts rig = found({paths[Device::servo], paths[Device::gyro], paths[Device::camera]});

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "program.h"
+#include "session/replace_session.h"
 #include "thermorig/storage/session/session.h"
 
 namespace thermorig::tests {

@@ -169,6 +169,13 @@ TEST_F(ClaimFile, ThatIsAFolderIsRefused) {
   EXPECT_THROW(look_at_claim(name_), Error);
 }
 
+/// Nobody waits for ever for what nobody holds.
+TEST_F(ClaimFile, ThatIsALinkToNothingIsRefused) {
+  fs::create_symlink("nowhere", file(1));
+  EXPECT_THROW(Claim::take(name_, look_at_claim(name_)), Error);
+  EXPECT_THROW(take_alone(name_, "works on it", "wait"), Error);
+}
+
 TEST_F(ClaimFile, ThatCannotBeMadeSaysWhy) {
   try {
     Claim::take(folder_ / "none" / "job", {});

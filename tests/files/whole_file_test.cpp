@@ -16,7 +16,6 @@
 #include "support/file_text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/files/process.h"
-#include "thermorig/io/files/writable.h"
 
 namespace thermorig::files {
 namespace {
@@ -101,7 +100,7 @@ TEST_F(PartFileName, DoesNotTakeANameThatIsThere) {
   write_whole(file, "old", "the model");
   EXPECT_EQ(refusal_of([&] {
               PartFile part(file, "the model");
-              part.publish(false);
+              part.publish();
             }),
             "7: cannot name the model: File exists");
   EXPECT_EQ(tests::file_text(file), "old");
@@ -118,28 +117,6 @@ TEST_F(WholeFile, IsWrittenOnceByThoseWhoLeaveTheFirst) {
             "7: cannot create the result: No such file or directory");
 }
 
-TEST_F(WholeFile, IsWrittenOverTheFileOfBeforeAndNoOther) {
-  const fs::path file = folder_ / "a.bin";
-  EXPECT_TRUE(write_whole_over(file, std::nullopt, "first", "the map"));
-  EXPECT_FALSE(write_whole_over(file, std::nullopt, "second", "the map")) << "it appeared meanwhile";
-  const auto before = identity_of(file);
-  EXPECT_TRUE(write_whole_over(file, before, "other", "the map"));
-  EXPECT_FALSE(write_whole_over(file, before, "third", "the map")) << "it was replaced meanwhile";
-  EXPECT_EQ(tests::file_text(file), "other");
-  fs::remove(file);
-  EXPECT_TRUE(write_whole_over(file, before, "again", "the map")) << "there is none to replace";
-  EXPECT_EQ(entries_in(folder_), 1U);
-}
-
-TEST_F(WholeFile, IsNotWrittenOverOneThatAnotherProgramIsWriting) {
-  const fs::path file = folder_ / "a.bin";
-  write_whole(file, "old", "the map");
-  const ClosedOnExit held(real_disk(), real_disk().open_to_lock(file).value);
-  ASSERT_EQ(real_disk().lock(held.get(), Disk::Wait::no), 0);
-  EXPECT_FALSE(write_whole_over(file, identity_of(file), "new", "the map"));
-  EXPECT_EQ(tests::file_text(file), "old");
-}
-
 TEST_F(WholeFile, ThatMayNotBeReadIsNoDamagedOne) {
   const fs::path file = folder_ / "a.bin";
   write_whole(file, "x", "the model");
@@ -148,50 +125,20 @@ TEST_F(WholeFile, ThatMayNotBeReadIsNoDamagedOne) {
   EXPECT_EQ(tests::code_as_nobody([&] { read_whole(file, 5, "the model"); }), 6);
 }
 
-TEST_F(WholeFile, SaysWhatForbidsIt) {
-  const fs::path file = folder_ / "a.bin";
-  EXPECT_EQ(hindrance_of_writing(file), "");
-  EXPECT_EQ(hindrance_of_writing(folder_ / "to" / "be" / "made.bin"), "");
-  write_whole(file, "x", "the map");
-  EXPECT_EQ(hindrance_of_writing(file), "");
-  EXPECT_EQ(hindrance_of_writing(file / "below"), file.string() + " is not a folder");
-  fs::permissions(file, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
-  EXPECT_EQ(hindrance_of_writing(file), "it is write-protected");
-}
-
-TEST_F(WholeFile, IsForbiddenInAFolderThatMayNotBeWrittenTo) {
-  fs::permissions(folder_, fs::perms{0555});
-  EXPECT_EQ(tests::code_as_nobody([&] {
-              const std::string why = hindrance_of_writing(folder_ / "a.bin");
-              if (why == folder_.string() + ": Permission denied")
-                throw Error(ExitCode::storage, why, "", "");
-            }),
-            7);
-  fs::permissions(folder_, fs::perms::owner_all);
-}
-
-TEST_F(WholeFile, IsFoundBehindLinks) {
-  const fs::path file = folder_ / "a.bin";
-  fs::create_symlink("a.bin", folder_ / "near");
-  fs::create_symlink(folder_ / "near", folder_ / "far");
-  EXPECT_EQ(behind_links(file), file);
-  EXPECT_EQ(behind_links(folder_ / "far"), file) << "also where nothing is there yet";
-  fs::create_symlink("loop", folder_ / "loop");
-  EXPECT_EQ(identity_of(behind_links(folder_ / "loop")), std::nullopt);
-}
-
 TEST_F(PartFileName, SaysWhoseItIs) {
   const fs::path file = folder_ / "a.bin";
   const std::string host = this_process().host, path = file.string();
   EXPECT_EQ(part_path_of(file), path + "." + host + "." + std::to_string(::getpid()) + ".part");
-  EXPECT_EQ(process_of_part(part_path_of(file), file), static_cast<std::uint64_t>(::getpid()));
-  EXPECT_EQ(process_of_part(path + ".77.part", file), 77U);  // before hosts stood in names
+  EXPECT_EQ(left_part_of(part_path_of(file)), file) << "of a process before this one";
+  constexpr const char* unused = "1073741823";  // more than the system gives
+  EXPECT_EQ(left_part_of(path + "." + host + "." + unused + ".part"), file);
   for (const std::string& other :
-       {path, path + ".part", path + "..part", path + ".x77.part", path + ".77x.part", path + ".77.",
-        path + ".77", path + ".another-host.77.part", path + "." + host + ".part",
-        path + "." + host + "..part", path + ".-77.part", path + ".99999999999999999999.part",
-        (folder_ / "b.bin.77.part").string()})
-    EXPECT_EQ(process_of_part(other, file), std::nullopt) << other;
+       {path, path + ".part", path + "..part", path + ".77.part", path + "." + host + ".x77.part",
+        path + "." + host + ".77x.part", path + "." + host + ".77.", path + "." + host + ".77",
+        path + ".another-host.77.part", path + "." + host + ".part", path + "." + host + "..part",
+        path + "." + host + ".-77.part", path + "." + host + ".99999999999999999999.part",
+        path + "." + host + ".1.part"})  // the system's first process runs
+    EXPECT_EQ(left_part_of(other), std::nullopt) << other;
 }
 
 TEST_F(PartFileName, IsNotTakenFromAProgramThatWritesIt) {

@@ -10,7 +10,7 @@
 #include <filesystem>
 
 #include "support/hand_clock.h"
-#include "thermorig/io/holder.h"
+#include "thermorig/io/files/holder.h"
 
 namespace thermorig::io {
 namespace {
@@ -83,7 +83,7 @@ TEST(FindAgain, TakesTheNumberOfAPseudoTerminalUnlessAnotherProgramHasItOpen) {
     if (open(pty.path().c_str(), O_RDWR | O_NOCTTY) >= 0) pause();
     _exit(1);
   }
-  EXPECT_TRUE(tests::comes_true([&] { return other_holder_of(pty.path()).has_value(); }));
+  EXPECT_TRUE(tests::comes_true([&] { return files::other_holder_of(pty.path()).has_value(); }));
   EXPECT_FALSE(find_again(port, {known_gyro}));
   kill(shell, SIGKILL);
   waitpid(shell, nullptr, 0);

@@ -43,10 +43,10 @@ class PortNames : public testing::Test {
   std::string folder_;
 };
 
-/// A process that holds a port as a second recorder would.
+/// A process that holds a port as a second recorder would, or as `cat` does, which takes no lock.
 class OtherRecorder {
  public:
-  explicit OtherRecorder(const std::string& path) {
+  explicit OtherRecorder(const std::string& path, bool locks = true) : locks_(locks) {
     std::array<int, 2> ready{};
     EXPECT_EQ(pipe(ready.data()), 0);
     pid_ = fork();
@@ -63,11 +63,12 @@ class OtherRecorder {
   pid_t pid() const { return pid_; }
 
  private:
-  [[noreturn]] static void hold(const std::string& path, int ready) {
-    const int fd = open(path.c_str(), O_RDWR | O_NOCTTY);
-    if (fd < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0 || write(ready, "1", 1) != 1) _exit(1);
+  [[noreturn]] void hold(const std::string& path, int ready) const {
+    const int fd = open(path.c_str(), (locks_ ? O_RDWR : O_RDONLY) | O_NOCTTY);
+    if (fd < 0 || (locks_ && flock(fd, LOCK_EX | LOCK_NB) != 0) || write(ready, "1", 1) != 1) _exit(1);
     while (true) pause();
   }
+  bool locks_;
   pid_t pid_ = -1;
 };
 
@@ -169,6 +170,18 @@ TEST_F(OpenPort, IsRefusedToAllOthersUnderWhateverName) {
   const Error brief =
       refusal_of([&] { loop.open(port_at(device.path()), collected.handlers(), Refusal::brief); });
   EXPECT_EQ(brief.what_happened(), "port is in use");
+}
+
+/// `cat /dev/ttyUSB0 &`: each byte would go to one of the two.
+TEST_F(OpenPort, IsRefusedBesideOneWhoOnlyReadsAndHeIsNamed) {
+  Pty device;
+  const OtherRecorder reader(device.path(), false);
+  Loop loop;
+  Collected collected;
+  const Error error = refusal_of([&] { loop.open(port_at(device.path()), collected.handlers()); });
+  EXPECT_EQ(error.code(), ExitCode::no_permission);
+  EXPECT_THAT(error.what_happened(),
+              HasSubstr("in use by process " + std::to_string(reader.pid()) + " (test_io)"));
 }
 
 TEST_F(OpenPort, MakesThePortRawAndLetsOneByteWakeTheReader) {

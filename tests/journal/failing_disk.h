@@ -72,6 +72,11 @@ class FailingDisk : public files::Disk {
 
   // Not for journals.
   int lock(files::OpenFile file, Wait wait) override { return disk_.lock(file, wait); }
+  int lock_to_replace(files::OpenFile file) override { return disk_.lock_to_replace(file); }
+  files::Answer<files::FileIdentity> identity(files::OpenFile file) override { return disk_.identity(file); }
+  int copy_access(files::OpenFile from, files::OpenFile to) override {
+    return or_call("copy_access", [&] { return disk_.copy_access(from, to); });
+  }
   files::Answer<files::FileKind> look(const Path& path) override {
     if (const int error = failure("look")) return {files::FileKind::missing, error};
     return disk_.look(path);

@@ -128,20 +128,26 @@ TEST(MapFile, KeepsALensThatWasCalibratedAndRefusesOneThatNoRigHas) {
   EXPECT_THAT(refusal_of(bytes_of(stored)), HasSubstr("roll"));
 }
 
+/// By a program that works on it as long as this call takes.
+std::filesystem::path write_now(const std::filesystem::path& path, const StoredMap& stored) {
+  files::PartFile part(replaced_map(path));
+  return write_map(part, stored);
+}
+
 TEST(MapFile, IsWrittenWholeOverAnOlderOne) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "map_file_test";
   std::filesystem::create_directories(folder);
   const auto path = folder / "kitchen.map";
   std::filesystem::remove(path);
-  EXPECT_EQ(write_map(path, std::nullopt, small_map()), path);
+  EXPECT_EQ(write_now(path, small_map()), path);
   EXPECT_TRUE(is_map(path));
   StoredMap other = small_map();
   other.environment = "garden";
-  EXPECT_EQ(write_map(path, files::identity_of(path), other), path);
+  EXPECT_EQ(write_now(path, other), path);
   EXPECT_EQ(read_map(path).environment, "garden");
   StoredMap broken = small_map();
   broken.map.reference_c = std::numeric_limits<float>::infinity();
-  EXPECT_THROW(write_map(path, files::identity_of(path), broken), Error);
+  EXPECT_THROW(write_now(path, broken), Error);
   EXPECT_EQ(read_map(path).environment, "garden") << "what cannot be read takes no other map's place";
   std::ofstream(folder / "note.txt") << "THR";
   EXPECT_FALSE(is_map(folder / "note.txt"));
@@ -155,13 +161,14 @@ TEST(MapFile, IsWrittenBesideOneThatAnotherProgramWroteMeanwhile) {
   const auto path = folder / "kitchen.map";
   StoredMap other = small_map();
   other.environment = "garden";
-  write_map(path, std::nullopt, other);
-  EXPECT_EQ(write_map(path, std::nullopt, small_map()), folder / "kitchen-2.map");
-  const auto before = files::identity_of(path);
-  write_map(path, before, other);
-  EXPECT_EQ(write_map(path, before, small_map()), folder / "kitchen-3.map");
-  EXPECT_EQ(read_map(path).environment, "garden");
-  EXPECT_EQ(read_map(folder / "kitchen-3.map").environment, "kitchen");
+  write_now(folder / "other.map", other);
+  for (const char* beside : {"kitchen-2.map", "kitchen-3.map"}) {  // it appears, and then is replaced
+    files::PartFile part(replaced_map(path));
+    std::filesystem::copy_file(folder / "other.map", path, std::filesystem::copy_options::overwrite_existing);
+    EXPECT_EQ(write_map(part, small_map()), folder / beside);
+    EXPECT_EQ(read_map(path).environment, "garden");
+    EXPECT_EQ(read_map(folder / beside).environment, "kitchen");
+  }
 }
 
 }  // namespace

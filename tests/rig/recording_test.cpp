@@ -349,24 +349,25 @@ TEST(Recovery, StatesTheSameLossAgainAsLongAsTheJournalIsThere) {
   }
 }
 
-TEST(Recovery, RemovesWhatAKilledProgramLeftOfTheSession) {
+TEST(Recovery, RemovesAndNamesWhatKilledProgramsLeftOfAnyFile) {
   const TemporaryFolder folder;
   const auto journal = killed_journal(folder);
-  const std::string session = session_of(journal).string();
+  const std::string session = session_of(journal).string(), host = "." + files::this_process().host;
   constexpr int never_a_process = 1 << 30;  // beyond the most that the kernel gives (2^22)
   const std::string number = "." + std::to_string(never_a_process) + ".part";
-  const std::filesystem::path before_hosts = session + number;
-  const std::filesystem::path abandoned = session + "." + files::this_process().host + number;
+  const std::filesystem::path abandoned = session + host + number;
+  const std::filesystem::path of_a_map = (folder.path() / "kitchen.map").string() + host + number;
   const std::filesystem::path elsewhere = session + ".another-host" + number;
-  const std::filesystem::path ours = session + "." + std::to_string(::getpid()) + ".1.part";
-  const std::filesystem::path alive = session + ".1.part";
+  const std::filesystem::path ours = session + host + "." + std::to_string(::getpid()) + ".1.part";
+  const std::filesystem::path alive = session + host + ".1.part";
   const std::filesystem::path other = folder.path() / "kitchen" / "notes.part";
-  for (const auto& path : {before_hosts, abandoned, elsewhere, ours, alive, other})
-    std::ofstream(path) << "part";
+  for (const auto& path : {abandoned, of_a_map, elsewhere, ours, alive, other}) std::ofstream(path) << "part";
+  EXPECT_THAT(left_parts(folder.path()), testing::UnorderedElementsAre(abandoned, of_a_map));
   const auto results = recover(folder.path());
-  ASSERT_EQ(results.size(), 1U);
-  EXPECT_THAT(results[0].removed, testing::UnorderedElementsAre(before_hosts, abandoned));
-  for (const auto& path : {before_hosts, abandoned}) EXPECT_FALSE(std::filesystem::exists(path)) << path;
+  ASSERT_EQ(results.size(), 3U);
+  EXPECT_EQ(results[0].kind, RecoveryKind::made);
+  for (int i = 1; i < 3; ++i) EXPECT_EQ(results[static_cast<std::size_t>(i)].kind, RecoveryKind::left_part);
+  for (const auto& path : {abandoned, of_a_map}) EXPECT_FALSE(std::filesystem::exists(path)) << path;
   for (const auto& path : {elsewhere, ours, alive, other}) EXPECT_TRUE(std::filesystem::exists(path)) << path;
 }
 

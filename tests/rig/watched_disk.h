@@ -52,6 +52,7 @@ class WatchedDisk : public files::Disk {
   int truncate(OpenFile file, std::uint64_t bytes) override { return disk_.truncate(file, bytes); }
   int close(OpenFile file) override { return disk_.close(file); }
   int lock(OpenFile file, Wait wait) override { return disk_.lock(file, wait); }
+  Answer<files::FileIdentity> identity(OpenFile file) override { return disk_.identity(file); }
   Answer<files::FileKind> look(const Path& path) override { return disk_.look(path); }
   Answer<std::vector<files::FolderEntry>> list(const Path& folder) override { return disk_.list(folder); }
   int link(const Path& from, const Path& to) override { return disk_.link(from, to); }

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "equality.h"
+#include "replace_session.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"

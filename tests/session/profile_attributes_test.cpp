@@ -4,6 +4,7 @@
 
 #include "equality.h"
 #include "format_1_file.h"
+#include "replace_session.h"
 #include "storage/session/session_image.h"
 #include "support/unusual_profile.h"
 #include "synthetic_session.h"

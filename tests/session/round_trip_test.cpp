@@ -8,6 +8,7 @@
 #include <csignal>
 
 #include "equality.h"
+#include "replace_session.h"
 #include "storage/session/session_image.h"
 #include "support/as_nobody.h"
 #include "synthetic_session.h"

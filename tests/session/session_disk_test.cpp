@@ -6,6 +6,7 @@
 
 #include "../journal/failing_disk.h"
 #include "equality.h"
+#include "replace_session.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"

@@ -6,6 +6,7 @@
 
 #include "equality.h"
 #include "format_1_file.h"
+#include "replace_session.h"
 #include "support/other_program.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
@@ -117,7 +118,8 @@ TEST_F(StockReader, FindsHowHardTheSceneIsAndWhichChecksumsWereAsked) {
     Session session = synthetic_session(3);
     session.raw.header.environment = environment;
     session.raw.header.profile.camera.checksum = policy;
-    replace_session(path(), session);
+    std::filesystem::remove(path());
+    write_session(path(), session);
     return tests::run_python(source).text;
   };
   EXPECT_EQ(attributes("laboratory", ChecksumPolicy::word), "['low', 'word']\n");

@@ -96,6 +96,8 @@ class FaultDisk : public files::Disk {
   int truncate(files::OpenFile file, std::uint64_t bytes) override;
   int close(files::OpenFile file) override;
   int lock(files::OpenFile file, Wait wait) override;
+  files::Answer<files::FileIdentity> identity(files::OpenFile file) override { return disk_.identity(file); }
+  int copy_access(files::OpenFile from, files::OpenFile to) override { return disk_.copy_access(from, to); }
   files::Answer<files::FileKind> look(const Path& path) override;
   files::Answer<std::vector<files::FolderEntry>> list(const Path& folder) override;
   int rename(const Path& from, const Path& to) override;

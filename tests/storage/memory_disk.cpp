@@ -97,10 +97,11 @@ void MemoryDisk::change(const Path& folder, std::vector<std::pair<std::string, N
   unsynced_.push_back({folder.string(), std::move(names)});
 }
 
-Answer<OpenFile> MemoryDisk::create(const Path& path, unsigned) {
+Answer<OpenFile> MemoryDisk::create(const Path& path, unsigned mode) {
   if (at(path)) return {OpenFile::none, EEXIST};
   if (!has_folder_of(path)) return {OpenFile::none, ENOENT};
   const auto node = std::make_shared<Node>();
+  node->mode = mode;
   change(files::folder_of(path), {{path.string(), node}});
   return opened(node);
 }
@@ -127,6 +128,7 @@ Answer<std::size_t> MemoryDisk::append(OpenFile file, std::span<const std::span<
       std::max<std::uint64_t>(node->reserved, node->seen.size()) - node->seen.size() + free_bytes;
   std::size_t left = static_cast<std::size_t>(std::min<std::uint64_t>(room, total));
   if (left == 0 && total > 0) return {0, ENOSPC};
+  ++node->changes;
   const std::size_t written = left;
   for (const auto part : parts) {
     const std::size_t count = std::min(left, part.size());
@@ -182,6 +184,7 @@ int MemoryDisk::truncate(OpenFile file, std::uint64_t bytes) {
   Node* const node = open_node(file);
   if (node == nullptr) return EBADF;
   node->seen.resize(bytes);
+  ++node->changes;
   node->reserved = bytes;
   return 0;
 }
@@ -201,6 +204,22 @@ int MemoryDisk::lock(OpenFile file, Wait wait) {
   // One thread alone: who would wait, waits for ever.
   if (node->locked_by >= 0 && node->locked_by != self) return wait == Wait::no ? EWOULDBLOCK : EDEADLK;
   node->locked_by = self;
+  return 0;
+}
+
+Answer<files::FileIdentity> MemoryDisk::identity(OpenFile file) {
+  const Node* const node = open_node(file);
+  if (node == nullptr) return {{}, EBADF};
+  return {{1, reinterpret_cast<std::uintptr_t>(node), static_cast<std::int64_t>(node->seen.size()),
+           node->changes},
+          0};
+}
+
+int MemoryDisk::copy_access(OpenFile from, OpenFile to) {
+  const Node* const source = open_node(from);
+  Node* const target = open_node(to);
+  if (source == nullptr || target == nullptr) return EBADF;
+  target->mode = source->mode;
   return 0;
 }
 

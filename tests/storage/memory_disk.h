@@ -58,6 +58,8 @@ class MemoryDisk : public files::Disk {
   int truncate(files::OpenFile file, std::uint64_t bytes) override;
   int close(files::OpenFile file) override;
   int lock(files::OpenFile file, Wait wait) override;
+  files::Answer<files::FileIdentity> identity(files::OpenFile file) override;
+  int copy_access(files::OpenFile from, files::OpenFile to) override;
   files::Answer<files::FileKind> look(const Path& path) override;
   files::Answer<std::vector<files::FolderEntry>> list(const Path& folder) override;
   int rename(const Path& from, const Path& to) override;
@@ -70,6 +72,9 @@ class MemoryDisk : public files::Disk {
   files::Answer<std::uint64_t> free_bytes(const Path& path) override;
 
   int next_open() const { return next_open_; }  // the id of the file that is opened next
+
+  /// Who may read a file.
+  unsigned mode(const Path& path) const { return at(path)->mode; }
 
   /// A sync that fails: what it was for is dropped, and the next sync says nothing of it.
   void drop_unsynced(files::OpenFile file);
@@ -86,6 +91,8 @@ class MemoryDisk : public files::Disk {
     std::uint64_t reserved = 0;
     bool is_folder = false;
     int locked_by = -1;
+    unsigned mode = 0644;
+    std::int64_t changes = 0;
   };
   using NodePtr = std::shared_ptr<Node>;
   using Names = std::map<std::string, NodePtr>;

@@ -396,7 +396,7 @@ TEST(PartFile, OfAKilledProgramOfTheSameNumberIsInNobodysWay) {
   disk.close(disk.create(left, 0644).value);
   files::PartFile part("/rec/x.h5", "the session", files::usual_advice, disk);
   EXPECT_THROW(files::PartFile("/rec/x.h5", "the session", files::usual_advice, disk), Error);  // is written
-  part.publish(true);
+  part.publish();
   EXPECT_FALSE(disk.after_end().files.contains(left));
   EXPECT_TRUE(disk.after_end().files.contains("/rec/x.h5"));
 }

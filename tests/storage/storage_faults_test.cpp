@@ -7,10 +7,8 @@
 namespace thermorig::storage_test {
 namespace {
 
-constexpr int frames = 200;
-
-const RecordedSession& session() {
-  static const RecordedSession recorded = record_session(frames);
+const RecordedSession& long_session() {
+  static const RecordedSession recorded = record_session(200);
   return recorded;
 }
 
@@ -34,7 +32,7 @@ std::string examples(const Enumeration& enumeration) {
 }
 
 TEST(StorageFaults, LoseNothingThatWasPromisedAndNothingSilently) {
-  const Enumeration enumeration = enumerate(session(), some_points());
+  const Enumeration enumeration = enumerate(long_session(), some_points());
   EXPECT_GE(points_of(enumeration), points_least);
   EXPECT_EQ(count_of(enumeration, Outcome::silent), 0U) << examples(enumeration);
   EXPECT_EQ(count_of(enumeration, Outcome::beyond), 0U) << examples(enumeration);
@@ -47,9 +45,9 @@ TEST(StorageFaults, AreNoticedWhereASyncIsLeftOut) {
   settings.error_stride = 0;
   settings.starts = 1;
   settings.mutation = Mutation::no_sync;
-  EXPECT_GT(count_of(enumerate(session(), settings), Outcome::silent), 0U);
+  EXPECT_GT(count_of(enumerate(long_session(), settings), Outcome::silent), 0U);
   settings.mutation = Mutation::no_folder_sync;
-  EXPECT_GT(count_of(enumerate(session(), settings), Outcome::silent), 0U);
+  EXPECT_GT(count_of(enumerate(long_session(), settings), Outcome::silent), 0U);
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ std::string resolve_port(const std::string& port);
 /// True if `port` leads to a pseudo terminal: no wire, no baud rate, and a program in place of a device.
 bool is_pseudo_terminal(const std::string& port);
 
-/// How a port that is in use is refused: who holds it takes a walk through all processes.
+/// How a port that is in use is refused: who holds it takes a walk through all processes, which also finds
+/// those who read it without a lock.
 enum class Refusal : std::uint8_t { names_holder, brief };
 
 /// A loop on one thread: ports are read, the timer ticks, signals arrive. Every handler is called inside

@@ -14,6 +14,7 @@
 #include <span>
 
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/replaced_file.h"
 #include "thermorig/io/files/whole_file.h"
 
 namespace thermorig::map_file {
@@ -26,7 +27,6 @@ constexpr std::string_view magic = "THRMAP01";  // of a plain lens
 constexpr std::string_view magic_of_lens = "THRMAP02";
 constexpr std::size_t version_digits = 2;  // at the end of magic
 constexpr std::size_t crc_bytes = sizeof(std::uint32_t);
-constexpr std::size_t file_bytes_max = 200'000;
 constexpr const char* noun = "the map";
 // A lens may have been calibrated meanwhile, or again: of the field of view and of the corners, and degrees.
 constexpr double same_lens = 0.02, same_distortion = 0.02, same_direction_deg = 1.5;
@@ -202,14 +202,20 @@ StoredMap read_map(const std::filesystem::path& path) {
   return map_from({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path.string());
 }
 
-std::filesystem::path write_map(const std::filesystem::path& path,
-                                const std::optional<files::FileIdentity>& before, const StoredMap& stored) {
+files::ReplacedFile replaced_map(const std::filesystem::path& path) {
+  return files::ReplacedFile(path, noun);
+}
+
+std::filesystem::path write_map(files::PartFile& part, const StoredMap& stored) {
   const std::string bytes = bytes_of(stored);
-  map_from(bytes, path.string());  // what could not be read again takes no other map's place
-  if (files::write_whole_over(path, before, bytes, noun)) return path;
+  map_from(bytes, part.path().string());  // what could not be read again takes no other map's place
+  part.write(std::as_bytes(std::span(bytes)));
+  part.sync();
+  if (part.publish_unless_taken()) return part.path();
   for (int number = 2;; ++number) {
-    std::filesystem::path free = numbered(path, number);
-    if (!files::identity_of(free) && files::write_whole_if_free(free, bytes, noun)) return free;
+    std::filesystem::path free = numbered(part.path(), number);
+    std::error_code hidden;  // what cannot be looked at is refused when it is written
+    if (!std::filesystem::exists(free, hidden) && files::write_whole_if_free(free, bytes, noun)) return free;
   }
 }
 

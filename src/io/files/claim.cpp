@@ -75,6 +75,14 @@ std::optional<ClaimSight> sight_of(const fs::path& path, int number, Disk& disk)
   return sight;
 }
 
+/// A link that leads nowhere counts as missing to those who look, and as taken to those who create: for ever.
+void refuse_link(const fs::path& path, Disk& disk) {
+  for (const FolderEntry& entry : disk.list(folder_of(path)).value)
+    if (entry.kind == FileKind::other && entry.path == path)
+      throw Error(ExitCode::storage, "a symbolic link stands where a claim is to be made", path.string(),
+                  "nobody's claim is one: remove it");
+}
+
 std::string time_of_day() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
@@ -130,7 +138,10 @@ std::optional<Claim> Claim::take(const fs::path& name, const ClaimSight& seen, D
   const fs::path path = path_of(name, number);
   const std::string text = claim_text(this_process(), time_of_day());  // before: a kill leaves it empty
   const auto created = disk.create(path, 0644);
-  if (created.error_number == EEXIST) return std::nullopt;
+  if (created.error_number == EEXIST) {
+    refuse_link(path, disk);
+    return std::nullopt;
+  }
   if (!created.good()) refuse("make", created.error_number, path);
   Claim claim(name, number, disk, created.value);
   const int written = claim.append(text);

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include <fcntl.h>
+#include <linux/limits.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <sys/uio.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <array>
 #include <cassert>
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <system_error>
+#include <vector>
 
 #include "thermorig/io/files/disk.h"
 
@@ -52,6 +56,31 @@ FileKind kind_of(fs::file_type type) {
     default:
       return FileKind::other;
   }
+}
+
+/// A rename asks the folder alone, and root may do all: who took a file's write permission away wants it
+/// kept.
+bool is_write_protected(const fs::path& file, const struct stat& info) {
+  constexpr mode_t writable = S_IWUSR | S_IWGRP | S_IWOTH;
+  return (info.st_mode & writable) == 0 || ::access(file.c_str(), W_OK) != 0;
+}
+
+/// In such a folder (/tmp) each one's files are his own.
+bool is_of_another_in_a_sticky_folder(const fs::path& file, const struct stat& info) {
+  struct stat folder {};
+  const uid_t own = ::geteuid();
+  return own != 0 && info.st_uid != own && ::stat(folder_of(file).c_str(), &folder) == 0 &&
+         (folder.st_mode & S_ISVTX) != 0 && folder.st_uid != own;
+}
+
+/// Beside its mode a file has a list of access. None of its own: the file that takes its place may have got
+/// one from the folder.
+int copy_access_list(int from, int to) {
+  constexpr const char* name = "system.posix_acl_access";
+  std::vector<char> list(XATTR_SIZE_MAX);
+  const ssize_t bytes = ::fgetxattr(from, name, list.data(), list.size());
+  if (bytes >= 0) return error_of(::fsetxattr(to, name, list.data(), static_cast<std::size_t>(bytes), 0));
+  return errno == ENODATA && ::fremovexattr(to, name) != 0 && errno != ENODATA ? errno : 0;
 }
 
 class RealDisk final : public Disk {
@@ -133,6 +162,52 @@ class RealDisk final : public Disk {
     return error_of(uninterrupted([&] { return ::flock(descriptor_of(file), operation); }));
   }
 
+  int lock_to_replace(OpenFile file) override {
+    // HDF5 holds such a lock, shared if it only reads; a reader that opens the file later still gets his.
+    if (::flock(descriptor_of(file), LOCK_SH | LOCK_NB) != 0) return errno;
+    // Of two who replace it the other kind of lock lets one go on.
+    struct flock whole {};
+    whole.l_type = F_WRLCK;
+    const int error_number = error_of(::fcntl(descriptor_of(file), F_OFD_SETLK, &whole));
+    return error_number == EACCES ? EWOULDBLOCK : error_number;
+  }
+
+  Answer<FileIdentity> identity(OpenFile file) override {
+    constexpr std::int64_t ns_per_s = 1'000'000'000;
+    struct stat info {};
+    if (::fstat(descriptor_of(file), &info) != 0) return {{}, errno};
+    return {{info.st_dev, info.st_ino, info.st_size, ns_per_s * info.st_mtim.tv_sec + info.st_mtim.tv_nsec},
+            0};
+  }
+
+  int copy_access(OpenFile from, OpenFile to) override {
+    const int source = descriptor_of(from), target = descriptor_of(to);
+    struct stat wanted {
+    }, given{};
+    if (::fstat(source, &wanted) != 0 || ::fstat(target, &given) != 0) return errno;
+    const bool is_same = wanted.st_uid == given.st_uid && wanted.st_gid == given.st_gid;
+    // Whoever shares a file by its group may go on to do so: the file then is his who wrote it last.
+    if (!is_same && ::fchown(target, wanted.st_uid, wanted.st_gid) != 0 &&
+        (wanted.st_gid != given.st_gid && ::fchown(target, static_cast<uid_t>(-1), wanted.st_gid) != 0))
+      return errno;
+    if (const int error_number = copy_access_list(source, target)) return error_number;
+    if (::fstat(target, &given) != 0) return errno;
+    return given.st_mode == wanted.st_mode ? 0 : error_of(::fchmod(target, wanted.st_mode & ALLPERMS));
+  }
+
+  std::string protection(const fs::path& path) override {
+    struct stat info {};
+    if (::stat(path.c_str(), &info) != 0) return {};
+    if (is_write_protected(path, info)) return "it is write-protected";
+    if (is_of_another_in_a_sticky_folder(path, info)) return "in this folder only its owner may replace it";
+    struct statx more {};
+    if (::statx(AT_FDCWD, path.c_str(), 0, STATX_BASIC_STATS, &more) != 0) return {};
+    if ((more.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0) return "it is mounted by itself (a bind mount)";
+    if ((more.stx_attributes & (STATX_ATTR_IMMUTABLE | STATX_ATTR_APPEND)) != 0)
+      return "it is locked against changes (chattr)";
+    return {};
+  }
+
   Answer<FileKind> look(const fs::path& path) override {
     std::error_code failure;
     const fs::file_status status = fs::status(path, failure);
@@ -203,6 +278,13 @@ Answer<std::size_t> append_all(Disk& disk, OpenFile file, std::span<const std::b
     done += written.value;
   }
   return {done, 0};
+}
+
+fs::path existing_part(fs::path folder) {
+  std::error_code ignored;
+  folder = fs::absolute(folder, ignored);
+  while (!fs::exists(folder, ignored) && folder.has_relative_path()) folder = folder.parent_path();
+  return folder;
 }
 
 fs::path folder_of(const fs::path& path) {

@@ -12,6 +12,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
 #include "thermorig/io/files/descriptor.h"
+#include "thermorig/io/files/replaced_file.h"
 
 namespace thermorig::files {
 
@@ -67,44 +68,26 @@ class SourceFile {
   Descriptor descriptor_;
 };
 
-/// A rename would put a file in the place of /dev/null.
-void require_replaceable(const std::filesystem::path& path, const std::string& noun) {
-  std::error_code hidden;  // what cannot be looked at is refused when it is created
-  const auto status = std::filesystem::status(path, hidden);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-    throw Error(ExitCode::storage,
-                fmt::format("cannot write {}: the name is taken by a folder, a pipe or a device", noun),
-                path.string(), "choose another name");
+void fill(PartFile& part, std::string_view bytes) {
+  part.reserve(bytes.size());
+  part.write(std::as_bytes(std::span(bytes)));
+  part.sync();
 }
 
 }  // namespace
 
 void write_whole(const std::filesystem::path& path, std::string_view bytes, const std::string& noun,
                  Advice advice) {
-  require_replaceable(path, noun);
-  PartFile part(path, noun, advice);
-  part.write(std::as_bytes(std::span(bytes)));
-  part.sync();
-  part.publish(true);
+  PartFile part(ReplacedFile(path, noun, advice));
+  fill(part, bytes);
+  part.publish();
 }
 
 bool write_whole_if_free(const std::filesystem::path& path, std::string_view bytes, const std::string& noun,
                          Advice advice) {
   PartFile part(path, noun, advice);
-  part.write(std::as_bytes(std::span(bytes)));
-  part.sync();
-  return part.publish_if_free();
-}
-
-bool write_whole_over(const std::filesystem::path& path, const std::optional<FileIdentity>& before,
-                      std::string_view bytes, const std::string& noun, Advice advice) {
-  if (!identity_of(path)) return write_whole_if_free(path, bytes, noun, advice);
-  const ClosedOnExit held(real_disk(), real_disk().open_to_lock(path).value);
-  // Of two programs that end at the same time one comes first, and the other one finds another file.
-  if (real_disk().lock(held.get(), Disk::Wait::no) == EWOULDBLOCK || identity_of(path) != before)
-    return false;
-  write_whole(path, bytes, noun, advice);
-  return true;
+  fill(part, bytes);
+  return part.publish_unless_taken();
 }
 
 std::vector<std::uint8_t> read_whole(const std::filesystem::path& path, std::size_t bytes_max,

@@ -2,14 +2,11 @@
 #include "result_file.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
 
 #include "fingerprint.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/files/part_file.h"
-#include "thermorig/io/files/process.h"
 #include "thermorig/io/files/whole_file.h"
 
 namespace thermorig::study {
@@ -43,14 +40,6 @@ std::string text_of(const Job& job) {
   return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", job.engine, job.frames,
                      job.reduction, job.fusion, job.seed, job.preset, job.settings, job.epochs, job.history,
                      job.test, job.test_hash, job.data_hash, label);
-}
-
-/// Is it a result that a process of this machine had half written when it ended?
-bool is_abandoned_part(const std::string& name) {
-  const std::size_t end = name.find(result_extension);
-  if (end == std::string::npos) return false;
-  const auto process = files::process_of_part(name, name.substr(0, end + result_extension.size()));
-  return process && (files::is_unused(*process) || *process == static_cast<std::uint64_t>(::getpid()));
 }
 
 }  // namespace
@@ -114,7 +103,8 @@ void remove_litter(const fs::path& folder) {
   for (const fs::path& name : files::claimed_names(folder))
     if (fs::exists(fs::path(name) += result_extension, ignored)) files::remove_claim(name);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-    if (is_abandoned_part(entry.path().filename())) files::remove_unless_held(entry.path());
+    if (const auto left = files::left_part_of(entry.path()); left && left->extension() == result_extension)
+      files::remove_unless_held(entry.path());
 }
 
 }  // namespace thermorig::study

@@ -87,8 +87,9 @@ class Listener {
     handlers.lost = [this](const std::string& why) { give_up(why); };
     try {
       port_ = loop_.open({.port = finding_.info.path, .baud = steps_[step_].at.baud}, std::move(handlers),
-                         io::Refusal::names_holder);
+                         step_ == 0 ? io::Refusal::names_holder : io::Refusal::brief);
     } catch (const Error& error) {
+      finding_.code = error.code();
       give_up(error.what_happened());
     }
   }

@@ -85,4 +85,14 @@ Check judge_disk(const DiskSpeed& speed, double needed_bytes_per_s) {
   return check;
 }
 
+std::optional<Check> judge_left_parts(const std::filesystem::path& folder,
+                                      const std::vector<std::filesystem::path>& left) {
+  if (left.empty()) return std::nullopt;
+  const std::string more = left.size() == 1 ? "" : fmt::format(", and {} more", left.size() - 1);
+  return Check{.name = "left over",
+               .result = "half written by a program that was killed: " + left.front().string() + more,
+               .advice = "thermorig recover " + folder.string(),
+               .warning = true};
+}
+
 }  // namespace thermorig::doctor

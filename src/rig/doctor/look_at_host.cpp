@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "system_text.h"
-#include "thermorig/io/holder.h"
+#include "thermorig/io/files/holder.h"
 #include "thermorig/rig/doctor/host_facts.h"
 
 namespace thermorig::doctor {
@@ -175,7 +175,7 @@ PortFacts look_at_port(const fs::path& root, const AskedPort& asked, const Proce
   facts.exists = fs::exists(root / path.relative_path(), missing);
   if (!facts.exists) return facts;
   facts.may_open = may_open(root, path, process);
-  facts.holder = io::other_holder_of(asked.path, root / "proc");
+  facts.holder = files::other_holder_of(asked.path, files::Use::any, root / "proc");
   const fs::path device = root / "sys/class/tty" / name / "device";
   const fs::path usb_device = usb_device_of(device);
   if (usb_device.empty()) return facts;

@@ -5,13 +5,13 @@
 
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <map>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include "thermorig/core/error.h"
-#include "thermorig/io/files/writable.h"
+#include "thermorig/io/files/replaced_file.h"
 #include "thermorig/rig/profile/toml_table.h"
 #include "thermorig/rig/profile/toml_text.h"
 #include "thermorig/storage/recording_header/profile_fields.h"
@@ -58,9 +58,19 @@ std::string toml_value(const FieldValue& value) {
   return std::visit([](const auto& plain) { return fmt::format("{}", plain); }, value);
 }
 
-[[noreturn]] void refuse_writing(const std::filesystem::path& path, const std::string& why) {
-  throw Error(ExitCode::storage, "the rig profile cannot be written: " + why, path.string(),
-              "choose a file and a folder that you may write to");
+const std::filesystem::path& with_folder(const std::filesystem::path& path) {
+  std::error_code failure;
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), failure);
+  if (!failure) return path;
+  throw Error(ExitCode::storage,
+              "the rig profile cannot be written: its folder cannot be made: " + failure.message(),
+              path.string(), files::usual_advice(failure.value()));
+}
+
+files::ReplacedFile locked(const std::filesystem::path& path) {
+  files::ReplacedFile file(with_folder(path), "the rig profile");
+  file.lock();
+  return file;
 }
 
 }  // namespace
@@ -96,23 +106,25 @@ std::string profile_text(const RigProfile& profile) {
   return text;
 }
 
+ProfileFile::ProfileFile(const std::filesystem::path& path) : part_(locked(path)) {
+  part_.reserve(profile_text(RigProfile()).size());
+}
+
+void ProfileFile::write(const RigProfile& profile) {
+  const std::string text = profile_text(profile);
+  part_.write(std::as_bytes(std::span(text)));
+  part_.sync();
+  part_.publish();
+}
+
 void require_profile_storage(const std::filesystem::path& path) {
   std::error_code hidden;
   if (std::filesystem::exists(path, hidden)) read_profile(path);
-  if (const std::string why = files::hindrance_of_writing(path); !why.empty()) refuse_writing(path, why);
+  const ProfileFile file(path);
 }
 
 void write_profile(const std::filesystem::path& path, const RigProfile& profile) {
-  const std::filesystem::path temporary = path.string() + ".new";
-  std::error_code failure;
-  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), failure);
-  if (failure) refuse_writing(path, "its folder cannot be made: " + failure.message());
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  file << profile_text(profile);
-  file.close();
-  if (!file) refuse_writing(path, "writing failed");
-  std::filesystem::rename(temporary, path, failure);
-  if (failure) refuse_writing(path, failure.message());
+  ProfileFile(path).write(profile);
 }
 
 }  // namespace thermorig::rig

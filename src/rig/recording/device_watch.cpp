@@ -8,6 +8,7 @@
 #include <string>
 
 #include "device_presence.h"
+#include "thermorig/io/files/holder.h"
 #include "thermorig/rig/discovery/detect.h"
 #include "thermorig/rig/sweep/expected_size.h"
 #include "thermorig/sensors/device_stream.h"
@@ -92,6 +93,16 @@ Error unreadable_device(Device device, const RigProfile& profile, const FirstByt
                   profile.link(device).baud)};
 }
 
+/// Where another program has the port open as well, it gets the bytes that are missed.
+Error with_reader(const Error& error, const std::string& port) {
+  const auto reader = port.empty() ? std::nullopt : files::other_holder_of(port);
+  if (!reader) return error;
+  const bool is_lost = error.code() == ExitCode::device_lost;
+  return {is_lost ? error.code() : ExitCode::no_permission,
+          fmt::format("{}: {} has this port open as well, and takes bytes", error.what_happened(), *reader),
+          error.where(), "stop that program"};
+}
+
 }  // namespace
 
 DeviceWatch::DeviceWatch(const RigProfile& profile, double start_patience_s, HostTime begin)
@@ -130,7 +141,7 @@ std::optional<Error> DeviceWatch::trouble(Device device, HostTime now) const {
                  "unplug it and plug it in again, so that it starts anew");
   const double silent_s = to_s(now - meters_[device].last().value_or(begin_));
   if (silent_s <= patience_s(device)) return std::nullopt;
-  return silence(device, silent_s);
+  return with_reader(silence(device, silent_s), profile_.link(device).port);
 }
 
 Error DeviceWatch::silence(Device device, double silent_s) const {

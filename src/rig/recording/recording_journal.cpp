@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "disk_watch.h"
-#include "file_lock.h"
 #include "journal_sync.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/file_lock.h"
 #include "thermorig/rig/sweep/expected_size.h"
 #include "thermorig/storage/journal/journal.h"
 
@@ -25,7 +25,7 @@ class KeptJournal final : public RecordingJournal {
       : RecordingJournal(std::move(file)),
         disk_(disk),
         writer_(this->file().journal, header, expected_journal_bytes(options.plan, options.profile), disk),
-        lock_(this->file().journal, FileLock::Wait::yes, disk),
+        lock_(this->file().journal, files::FileLock::Wait::yes, disk),
         watch_(writer_, options.sync) {
     if (options.sync.when == SyncWhen::end) return;
     if (options.virtual_time)
@@ -52,7 +52,7 @@ class KeptJournal final : public RecordingJournal {
  private:
   files::Disk& disk_;
   journal::JournalWriter writer_;
-  FileLock lock_;  // tells `recover` that this one is being written
+  files::FileLock lock_;  // tells `recover` that this one is being written
   DiskWatch watch_;
   std::optional<JournalSync> sync_;
   std::optional<VirtualSync> virtual_sync_;

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 #include <new>
 #include <optional>
 #include <string_view>
 
-#include "file_lock.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/file_lock.h"
 #include "thermorig/io/files/part_file.h"
-#include "thermorig/io/files/process.h"
 #include "thermorig/io/spill/spill.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/rig/recording/session_file.h"
@@ -46,8 +44,7 @@ RecoveryResult describe(RecoveryKind kind, const std::filesystem::path& source,
           .valid = valid_in(session),
           .chunks = chunks_of(session.raw),
           .bytes_ignored = bytes_ignored,
-          .message = {},
-          .removed = {}};
+          .message = {}};
 }
 
 bool is_there(const std::filesystem::path& path, files::Disk& disk) {
@@ -90,14 +87,6 @@ RecoveryResult salvage_session(const std::filesystem::path& path, const sandbox:
   return result;
 }
 
-/// Is it what a session is called while it is written, of a process that is no more? One of our own number is
-/// of a process before us, as we have none under way.
-bool is_abandoned_part(const std::filesystem::path& path, const std::filesystem::path& session) {
-  const auto process = files::process_of_part(path, session);
-  if (!process) return false;
-  return *process == static_cast<std::uint64_t>(::getpid()) || files::is_unused(*process);
-}
-
 std::vector<files::FolderEntry> entries_of(const std::filesystem::path& folder, files::Disk& disk) {
   auto entries = disk.list(folder);
   if (!entries.good())
@@ -109,15 +98,25 @@ std::vector<files::FolderEntry> entries_of(const std::filesystem::path& folder, 
   return std::move(entries.value);
 }
 
-/// The journal's lock is held: nobody else makes this session now.
-std::vector<std::filesystem::path> remove_abandoned_parts(const std::filesystem::path& session,
-                                                          files::Disk& disk) {
-  std::vector<std::filesystem::path> removed;
-  for (const files::FolderEntry& entry : entries_of(files::folder_of(session), disk)) {
-    if (entry.kind != files::FileKind::file || !is_abandoned_part(entry.path, session)) continue;
-    if (disk.remove(entry.path) == 0) removed.push_back(entry.path);  // litter harms nobody
+/// What killed programs left of files that they were writing: of `only`, or of any in the folder. Removed
+/// before anything is written, as it may be what fills the disk.
+std::vector<RecoveryResult> remove_left_parts(const std::vector<files::FolderEntry>& entries,
+                                              files::Disk& disk,
+                                              const std::optional<std::filesystem::path>& only = {}) {
+  std::vector<RecoveryResult> removed;
+  for (const files::FolderEntry& entry : entries) {
+    const auto left_of = files::left_part_of(entry.path);
+    if (entry.kind != files::FileKind::file || !left_of || (only && *left_of != *only)) continue;
+    if (!files::remove_unless_held(entry.path, disk)) continue;  // litter harms nobody
+    removed.push_back({.kind = RecoveryKind::left_part,
+                       .source = entry.path,
+                       .message = "a killed program left it behind, half written: removed"});
   }
   return removed;
+}
+
+void append(std::vector<RecoveryResult>& results, std::vector<RecoveryResult> more) {
+  results.insert(results.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
 RecoveryResult remove_empty(const std::filesystem::path& journal, bool is_ours, files::Disk& disk) {
@@ -153,10 +152,11 @@ std::optional<RecoveryResult> gone(const std::filesystem::path& journal, files::
 /// None if the journal is not there any more, and no session of it.
 std::optional<RecoveryResult> recover_journal(const std::filesystem::path& journal, files::Disk& disk) {
   // A recorder holds its folder from the choice of a name until its journal is locked.
-  std::optional<FileLock> folder(std::in_place, files::folder_of(journal), FileLock::Wait::yes, disk);
-  std::optional<FileLock> lock;
+  std::optional<files::FileLock> folder(std::in_place, files::folder_of(journal), files::FileLock::Wait::yes,
+                                        disk);
+  std::optional<files::FileLock> lock;
   try {
-    lock.emplace(journal, FileLock::Wait::no, disk);
+    lock.emplace(journal, files::FileLock::Wait::no, disk);
   } catch (const Error&) {
     if (is_there(journal, disk)) throw;
     return gone(journal, disk);
@@ -167,10 +167,7 @@ std::optional<RecoveryResult> recover_journal(const std::filesystem::path& journ
     return RecoveryResult{
         .kind = RecoveryKind::in_use, .source = journal, .message = "is being recorded by another program"};
   if (!is_there(journal, disk)) return gone(journal, disk);  // what was locked has no name any more
-  std::vector<std::filesystem::path> removed = remove_abandoned_parts(session_of(journal), disk);
-  RecoveryResult result = make_session(journal, session_of(journal), is_ours, disk);
-  result.removed = std::move(removed);
-  return result;
+  return make_session(journal, session_of(journal), is_ours, disk);
 }
 
 RecoveryResult failed(const std::filesystem::path& source, const Error& error) {
@@ -205,11 +202,13 @@ void recover_all(const std::filesystem::path& folder, files::Disk& disk,
   } catch (const Error& error) {  // e.g. lost+found
     results.push_back(failed(folder, error));
   }
+  std::vector<RecoveryResult> removed = remove_left_parts(entries, disk);
   for (const files::FolderEntry& entry : entries) {
     if (entry.kind == files::FileKind::folder) recover_all(entry.path, disk, results);
     if (entry.kind != files::FileKind::file || entry.path.extension() != ".journal") continue;
     if (auto result = try_to_recover(entry.path, disk)) results.push_back(std::move(*result));
   }
+  append(results, std::move(removed));
 }
 
 }  // namespace
@@ -229,12 +228,29 @@ std::vector<RecoveryResult> recover(const std::filesystem::path& path, files::Di
                 "the folder of the recordings, or a .journal file in it");
   }
   if (is_journal_name || journal::is_journal(path, disk)) {
-    auto result = recover_journal(path, disk);
-    return result ? std::vector{std::move(*result)} : std::vector<RecoveryResult>{};
+    std::vector<RecoveryResult> removed =
+        remove_left_parts(entries_of(files::folder_of(path), disk), disk, session_of(path));
+    std::vector<RecoveryResult> results;
+    if (auto result = recover_journal(path, disk)) results.push_back(std::move(*result));
+    append(results, std::move(removed));
+    return results;
   }
   if (const sandbox::SealedCopy copy = sandbox::copy_on(disk, path); session::is_cut_short(copy))
     return {salvage_session(path, copy, disk)};
   return {already_there(path, path, disk)};
+}
+
+std::vector<std::filesystem::path> left_parts(const std::filesystem::path& folder, files::Disk& disk) {
+  std::vector<std::filesystem::path> parts;
+  for (const files::FolderEntry& entry : disk.list(folder).value) {
+    if (entry.kind == files::FileKind::folder) {
+      const auto below = left_parts(entry.path, disk);
+      parts.insert(parts.end(), below.begin(), below.end());
+    } else if (entry.kind == files::FileKind::file && files::left_part_of(entry.path)) {
+      parts.push_back(entry.path);
+    }
+  }
+  return parts;
 }
 
 }  // namespace thermorig::rig

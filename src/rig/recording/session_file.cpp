@@ -9,7 +9,6 @@
 #include <cstring>
 #include <string_view>
 
-#include "file_lock.h"
 #include "thermorig/core/error.h"
 #include "thermorig/storage/session/trial.h"
 
@@ -56,7 +55,7 @@ FolderLock::FolderLock(const std::filesystem::path& output, const std::string& e
   check_environment(environment);
   folder_ = output / environment;
   make_folders();
-  lock_ = std::make_unique<FileLock>(folder_, FileLock::Wait::yes, disk);
+  lock_ = std::make_unique<files::FileLock>(folder_, files::FileLock::Wait::yes, disk);
 }
 
 FolderLock::~FolderLock() = default;

@@ -12,7 +12,7 @@
 #include "session_image.h"
 #include "tasks.h"
 #include "thermorig/core/error.h"
-#include "thermorig/io/files/part_file.h"
+#include "thermorig/io/files/replaced_file.h"
 #include "thermorig/storage/session/session.h"
 #include "thermorig/storage/session/trial.h"
 
@@ -57,7 +57,7 @@ std::string advice_to_replace(int error_number) {
     case EROFS:
       return "a folder that you may write to: copy the session there" + kept;
     default:
-      return "check the disk (dmesg)" + kept;
+      return files::usual_advice(error_number) + kept;
   }
 }
 
@@ -82,21 +82,20 @@ AddedByOthers added_to(const sandbox::SealedCopy& copy) {
   return added_by_others(copy);
 }
 
-bool is_taken(const fs::path& path, files::Disk& disk) {
-  const auto taken = disk.look(path);
-  if (!taken.good()) refuse_to_write("cannot look at the folder", taken.error_number, path);
-  return taken.value != files::FileKind::missing;
+/// It is built in memory: no disk has to do with what fails there.
+SessionImage image_of(const Session& session, const std::vector<StoredAttribute>& added,
+                      const fs::path& path) {
+  try {
+    return build_image(session, std::thread::hardware_concurrency(), added);
+  } catch (const Hdf5Failure& failure) {
+    throw Error(ExitCode::failed, fmt::format("{}: there is not enough memory", failure.what()),
+                path.string(), "close other programs, or raise its limit (ulimit -v), then try again");
+  }
 }
 
-/// The groups and datasets that others had put into the file that was there.
-std::vector<std::string> write_file(const fs::path& path, const Session& session, bool overwrite,
-                                    files::Disk& disk) {
-  const bool is_there = is_taken(path, disk);
-  if (is_there && !overwrite) refuse_to_write("the session exists already", EEXIST, path);
-  files::PartFile part(path, "the session", overwrite ? advice_to_replace : advice_for, disk);
-  AddedByOthers added = is_there ? added_to(sandbox::copy_on(disk, path)) : AddedByOthers{};
-  SessionImage image = build_image(session, std::thread::hardware_concurrency(), added.attributes);
-  added.attributes.clear();
+void write_image(files::PartFile& part, const Session& session, const std::vector<StoredAttribute>& added) {
+  SessionImage image = image_of(session, added, part.path());
+  part.reserve(image.bytes.size());
   for (auto left = image.bytes; !left.empty(); left = left.subspan(std::min(left.size(), write_bytes)))
     part.write(left.first(std::min(left.size(), write_bytes)));
   part.begin_sync();
@@ -104,32 +103,40 @@ std::vector<std::string> write_file(const fs::path& path, const Session& session
   const auto read_back = [&part](std::uint64_t offset, std::span<std::byte> out) {
     part.read_back(offset, out);
   };
-  sandbox::SealedCopy written(part.size(), read_back, path);
+  sandbox::SealedCopy written(part.size(), read_back, part.path());
   check_written(written, image);
   require_readable_again(std::move(written));
   part.sync();
-  part.publish(overwrite);
-  return std::move(added.objects);
-}
-
-std::vector<std::string> write_or_explain(const fs::path& path, const Session& session, bool overwrite,
-                                          files::Disk& disk) {
-  try {
-    return write_file(path, session, overwrite, disk);
-  } catch (const Hdf5Failure& failure) {
-    throw Error(ExitCode::storage, failure.what(), path.string(),
-                overwrite ? advice_to_replace(EIO) : advice_for(EIO));
-  }
 }
 
 }  // namespace
 
 void write_session(const fs::path& path, const Session& session, files::Disk& disk) {
-  write_or_explain(path, session, false, disk);
+  const auto taken = disk.look(path);
+  if (!taken.good()) refuse_to_write("cannot look at the folder", taken.error_number, path);
+  if (taken.value != files::FileKind::missing) refuse_to_write("the session exists already", EEXIST, path);
+  files::PartFile part(path, "the session", advice_for, disk);
+  try {
+    write_image(part, session, {});
+  } catch (const Hdf5Failure& failure) {
+    throw Error(ExitCode::storage, failure.what(), path.string(), advice_for(EIO));
+  }
+  part.publish();
 }
 
-std::vector<std::string> replace_session(const fs::path& path, const Session& session, files::Disk& disk) {
-  return write_or_explain(path, session, true, disk);
+files::ReplacedFile replaced_session(const fs::path& path, files::Disk& disk) {
+  return files::ReplacedFile(path, "the session", advice_to_replace, disk);
+}
+
+std::vector<std::string> write_again(files::PartFile& part, const fs::path& old, const Session& session,
+                                     files::Disk& disk) {
+  try {
+    AddedByOthers added = added_to(sandbox::copy_on(disk, old));
+    write_image(part, session, added.attributes);
+    return std::move(added.objects);
+  } catch (const Hdf5Failure& failure) {
+    throw Error(ExitCode::storage, failure.what(), part.path().string(), advice_to_replace(EIO));
+  }
 }
 
 }  // namespace thermorig::session

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace thermorig::files {
@@ -25,6 +26,14 @@ enum class FileKind : std::uint8_t { missing, file, folder, other };
 struct FolderEntry {
   std::filesystem::path path;      // the folder's, and its name
   FileKind kind = FileKind::file;  // of the entry itself: a symbolic link is `other`
+};
+
+/// Which file it is: one that took its place differs, and so does one that was written again.
+struct FileIdentity {
+  std::uint64_t device = 0, inode = 0;
+  std::int64_t bytes = 0, changed_ns = 0;
+
+  bool operator==(const FileIdentity&) const = default;
 };
 
 /// Every system call that changes a disk on the way from a chunk to a session, and the reading back that
@@ -65,11 +74,21 @@ class Disk {
   virtual int close(OpenFile file) = 0;
   /// Until the file is closed or the program dies. EWOULDBLOCK if another has it and Wait::no.
   virtual int lock(OpenFile file, Wait wait) = 0;
+  /// For one who will replace the file, beside those who read it: also beside HDF5's readers, not beside one
+  /// who has it open to write. EWOULDBLOCK as above; waits for nobody.
+  virtual int lock_to_replace(OpenFile file) { return lock(file, Wait::no); }
+  virtual Answer<FileIdentity> identity(OpenFile file) = 0;
+  /// Gives `to` the owner, the group, the mode and the access list of `from`: its owner only where this user
+  /// may give files away.
+  virtual int copy_access(OpenFile /*from*/, OpenFile /*to*/) { return 0; }
 
   // ---- names ------------------------------------------------------------------------------------------
 
   /// What stands there, links followed.
   virtual Answer<FileKind> look(const std::filesystem::path& path) = 0;
+  /// What keeps the file that is there from being replaced, in words ("it is write-protected"); empty:
+  /// nothing that could be seen.
+  virtual std::string protection(const std::filesystem::path& /*path*/) { return {}; }
   virtual Answer<std::vector<FolderEntry>> list(const std::filesystem::path& folder) = 0;
   virtual int rename(const std::filesystem::path& from, const std::filesystem::path& to) = 0;
   /// EEXIST if `to` is taken. EINVAL or ENOSYS where the file system cannot.
@@ -96,6 +115,9 @@ Answer<std::size_t> append_all(Disk& disk, OpenFile file, std::span<const std::b
 
 /// The folder that a name stands in: "." for a bare one.
 std::filesystem::path folder_of(const std::filesystem::path& path);
+
+/// The nearest folder that is there: the rest would be made.
+std::filesystem::path existing_part(std::filesystem::path folder);
 
 /// Closes it, whatever happens, when it goes.
 class ClosedOnExit {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,8 @@
 #include "thermorig/io/files/disk.h"
 
 namespace thermorig::files {
+
+class ReplacedFile;
 
 /// What to try after a failure of this errno; the end of a refusal's sentence.
 using Advice = std::string (*)(int error_number);
@@ -22,10 +25,9 @@ std::string usual_advice(int error_number);
 /// machines that share a disk write the same one. This is the name of the calling one.
 std::filesystem::path part_path_of(const std::filesystem::path& path);
 
-/// Whose part of `path` a file of this name is, if it is one of this host: the number of its process. Before
-/// hosts stood in names they were `<path>.<process>.part`; those are taken for this host's.
-std::optional<std::uint64_t> process_of_part(const std::filesystem::path& part,
-                                             const std::filesystem::path& path);
+/// What a program of this machine that has ended left of a file it was writing: the path that the file was
+/// to get. None for any other file. A process of the calling one's number counts as ended.
+std::optional<std::filesystem::path> left_part_of(const std::filesystem::path& path);
 
 /// Removes a part that no program of this machine writes any more. Was it removed?
 bool remove_unless_held(const std::filesystem::path& part, Disk& disk = real_disk());
@@ -35,12 +37,20 @@ bool remove_unless_held(const std::filesystem::path& part, Disk& disk = real_dis
 /// Error(storage) with `noun` in the sentence ("the model").
 class PartFile {
  public:
+  /// Of a file that is new.
   PartFile(std::filesystem::path path, std::string noun, Advice advice = usual_advice,
            Disk& disk = real_disk());
+  /// Of one that takes the place of `replaced`, if there is one: room for as many bytes is taken, and it may
+  /// be read by the same. Throws Error(no_permission) as well, where that cannot be.
+  explicit PartFile(ReplacedFile replaced);
+  /// Of one that is new, with as much room, and may be read by those who may read `like`.
+  PartFile(std::filesystem::path path, const ReplacedFile& like);
   ~PartFile();
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;
 
+  /// Room for so many bytes, which writing them then finds.
+  void reserve(std::uint64_t bytes);
   void write(std::span<const std::byte> bytes);
   /// What the disk gives back of it.
   std::uint64_t size() const;
@@ -48,23 +58,31 @@ class PartFile {
   /// Nothing more will be written: the disk may begin with what sync() waits for.
   void begin_sync() { disk_.begin_sync(file_); }
   void sync();
-  /// Gives it its name and syncs the folder. Without `overwrite` an existing name is refused.
-  void publish(bool overwrite);
-  /// The same without `overwrite`, but false where the name is taken.
-  bool publish_if_free();
+  /// Gives it its name and syncs the folder. A name that is taken is refused, unless by the file that is to
+  /// be replaced, as it was; of another one in its place Error(no_permission) is thrown.
+  void publish();
+  /// The same, but false where publish() refuses the name.
+  bool publish_unless_taken();
+
+  const std::filesystem::path& path() const { return path_; }  // that it gets
 
  private:
+  PartFile(std::filesystem::path path, std::string noun, Advice advice, Disk& disk, unsigned mode);
   [[noreturn]] void refuse(const std::string& action, int error_number,
                            const std::filesystem::path& where) const;
-  int name_it(bool overwrite);
+  void create(unsigned mode);
+  void take_access_of(const ReplacedFile& file);
+  int replace();
   int rename_to_new();
   int rename_unless_taken();
 
   Disk& disk_;
+  std::unique_ptr<ReplacedFile> replaced_;
   std::filesystem::path path_, part_path_;
   std::string noun_;
   Advice advice_;
   OpenFile file_ = OpenFile::none;
+  std::uint64_t reserved_ = 0;
   bool is_whole_ = true;  // no write and no sync has failed
   bool published_ = false;
 };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "thermorig/core/device.h"
+#include "thermorig/core/error.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/rig/discovery/port_loop.h"
 #include "thermorig/sensors/evidence.h"
@@ -32,12 +33,13 @@ Evidence classify(std::span<const std::uint8_t> bytes, double heard_s = 0.0);
 struct PortFinding {
   io::PortInfo info;
   std::optional<Device> role;
-  std::uint32_t baud = 0;  // at which it spoke; 0 for a pseudo terminal
-  std::string protocol;    // of that role: a name of its table in sensors
-  std::string how;         // evidence, ready to print; or "silent at 7 baud rates"
-  std::string problem;     // could not be opened: why; else empty
-  std::string advice;      // what it sends cannot be recorded: what to try; else empty
-  double rate_hz = 0.0;    // messages a second while it spoke
+  std::uint32_t baud = 0;        // at which it spoke; 0 for a pseudo terminal
+  std::string protocol;          // of that role: a name of its table in sensors
+  std::string how;               // evidence, ready to print; or "silent at 7 baud rates"
+  std::string problem;           // could not be opened: why; else empty
+  ExitCode code = ExitCode::ok;  // of that problem
+  std::string advice;            // what it sends cannot be recorded: what to try; else empty
+  double rate_hz = 0.0;          // messages a second while it spoke
   std::optional<sensors::TextFormat> text_format;  // of a text gyro
   std::optional<int> axis;                         // of x, y, z: the gyro's that a hand has turned
   std::map<std::string, double> settings;          // of a gyro's protocol, which its bytes tell

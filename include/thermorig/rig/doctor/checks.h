@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "thermorig/core/profile.h"
@@ -34,6 +35,10 @@ DiskSpeed measure_disk(files::Disk& disk, const std::filesystem::path& folder,
 
 /// `needed_bytes_per_s`: what a recording writes.
 Check judge_disk(const DiskSpeed& speed, double needed_bytes_per_s);
+
+/// Of a folder what killed programs left in it; none where nothing is.
+std::optional<Check> judge_left_parts(const std::filesystem::path& folder,
+                                      const std::vector<std::filesystem::path>& parts);
 
 /// Which constants of a profile were measured, and since when the oldest of them has stood. Whether they
 /// still hold only motion tells: it names the command.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "thermorig/core/profile.h"
+#include "thermorig/io/files/part_file.h"
 
 namespace thermorig::rig {
 
@@ -19,12 +20,26 @@ RigProfile read_profile(const std::filesystem::path& path);
 /// TOML text with a comment for each key; parse_profile() gives the same profile back.
 std::string profile_text(const RigProfile& profile);
 
-/// Throws as read_profile() if there is a file at `path` that is no profile, and Error(storage) if none could
-/// be written there: to be asked before an hour is spent on what is to be written.
+/// A profile that is read, changed and written again, or written for the first time: nobody else changes it
+/// from here on.
+class ProfileFile {
+ public:
+  /// Makes its folder if it is not there. Throws Error(storage) where none could be written, and
+  /// Error(no_permission) where another program is about to.
+  explicit ProfileFile(const std::filesystem::path& path);
+
+  /// profile_text(). Once.
+  void write(const RigProfile& profile);
+
+ private:
+  files::PartFile part_;
+};
+
+/// Throws as read_profile() if there is a file at `path` that is no profile, and as ProfileFile: to be asked
+/// before an hour is spent on what is to be written.
 void require_profile_storage(const std::filesystem::path& path);
 
-/// Writes profile_text() to `path`: to a temporary name, then renamed over it. Makes the folder if it is not
-/// there. Throws Error(storage).
+/// Writes it whatever was there.
 void write_profile(const std::filesystem::path& path, const RigProfile& profile);
 
 }  // namespace thermorig::rig

@@ -36,7 +36,8 @@ Finalised finalise(const std::filesystem::path& journal, const std::filesystem::
                    std::int64_t clock_set_ns = 0);
 
 /// `empty`: a journal in which nothing had been recorded yet when its program ended; it is removed.
-enum class RecoveryKind : std::uint8_t { made, already_there, empty, failed, in_use };
+/// `left_part`: of a file that a killed program was writing; it is removed.
+enum class RecoveryKind : std::uint8_t { made, already_there, empty, failed, in_use, left_part };
 
 /// What became of one journal (or session) that recover() looked at.
 struct RecoveryResult {
@@ -49,21 +50,25 @@ struct RecoveryResult {
   std::uint64_t chunks = 0;
   std::uint64_t bytes_ignored = 0;  // torn tail: at most the chunk that was being written
   bool of_cut_session = false;      // made of a session file that lacks these bytes at its end
-  std::string message;              // for `empty`, `failed` and `in_use`: why
+  std::string message;              // where there is no session: why
   ExitCode code = ExitCode::ok;     // for `failed`: not_a_session; storage if it is the disk's fault; failed
-  std::vector<std::filesystem::path>
-      removed;  // parts of sessions that a program which was killed left behind
 };
 
 /// A journal, a session, or a folder that is searched for journals: each journal without a session becomes
 /// one. Journals are kept where something was ignored. It may be killed and run again; run twice it gives the
-/// same, losses included, as long as the journal is there. What a program that was killed left of a session's
-/// file is removed. A journal without its end is kept as well where the file system cannot tell that nobody
-/// writes it. In a folder one journal or one folder that fails keeps nobody from the others: it is a `failed`
-/// of its own. Of a session that was cut short another one is made beside it, NAME_salvaged.h5, of the raw
-/// bytes that are left. Throws Error(not_a_session) if `path` is neither, Error(bad_usage) if it does not
-/// exist, and for a single journal Error(storage) if the disk refuses to be written.
+/// same, losses included, as long as the journal is there. What a killed program left of a file that it was
+/// writing is removed, and named behind all else of its folder. A journal without its end is kept as well
+/// where the file system cannot tell that nobody writes it. In a folder one journal or one folder that fails
+/// keeps nobody from the others: it is a `failed` of its own. Of a session that was cut short another one is
+/// made beside it, NAME_salvaged.h5, of the raw bytes that are left. Throws Error(not_a_session) if `path` is
+/// neither, Error(bad_usage) if it does not exist, and for a single journal Error(storage) if the disk
+/// refuses to be written.
 std::vector<RecoveryResult> recover(const std::filesystem::path& path,
                                     files::Disk& disk = files::real_disk());
+
+/// What killed programs left in a folder, at any depth, of files that they were writing: recover() removes
+/// it. Nothing of what cannot be read.
+std::vector<std::filesystem::path> left_parts(const std::filesystem::path& folder,
+                                              files::Disk& disk = files::real_disk());
 
 }  // namespace thermorig::rig

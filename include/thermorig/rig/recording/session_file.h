@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "thermorig/core/time.h"
-#include "thermorig/io/files/disk.h"
+#include "thermorig/io/files/file_lock.h"
 #include "thermorig/storage/session/session.h"
 
 namespace thermorig::rig {
-
-class FileLock;
 
 /// Where one acquisition goes: `<output>/<environment>/<environment>_acq-<nn>_<UTC start>.h5`, the journal
 /// beside it as `.journal`.
@@ -50,7 +48,7 @@ class FolderLock {
   std::filesystem::path folder_;
   std::string environment_;
   std::vector<std::filesystem::path> made_folders_;
-  std::unique_ptr<FileLock> lock_;
+  std::unique_ptr<files::FileLock> lock_;
 };
 
 /// The same acquisition with another start in its names: its journal is renamed. Where that is refused the

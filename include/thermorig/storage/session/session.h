@@ -12,7 +12,7 @@
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
-#include "thermorig/io/files/disk.h"
+#include "thermorig/io/files/replaced_file.h"
 #include "thermorig/sensors/wire/counters.h"
 #include "thermorig/storage/sandbox/sealed_copy.h"
 
@@ -95,12 +95,17 @@ bool is_for_calibration(const RecordingHeader& header);
 void write_session(const std::filesystem::path& path, const Session& session,
                    files::Disk& disk = files::real_disk());
 
-/// The same to replace an existing session (reprocess), by rename over it. Attributes that somebody else has
-/// put into that file are kept, on the objects that both have; other objects are not: returns the paths of
-/// the outermost ones ("/notes"), of a file of format 1.3 or later. Throws also as read_session() does of the
-/// file that is there.
-std::vector<std::string> replace_session(const std::filesystem::path& path, const Session& session,
-                                         files::Disk& disk = files::real_disk());
+/// The file of a session that is to be written again: to be locked before it is read, if others may change
+/// it.
+files::ReplacedFile replaced_session(const std::filesystem::path& path,
+                                     files::Disk& disk = files::real_disk());
+
+/// The same as write_session() into a part, which is then to be published. Attributes that somebody else has
+/// put into the file `old` are kept, on the objects that both have; other objects are not: returns the paths
+/// of the outermost ones ("/notes"), of a file of format 1.3 or later. Throws also as read_session() does of
+/// `old`.
+std::vector<std::string> write_again(files::PartFile& part, const std::filesystem::path& old,
+                                     const Session& session, files::Disk& disk = files::real_disk());
 
 /// Reads a whole session. Throws Error(not_a_session) if it is not one, is damaged, or is of another major
 /// version, and as tried_copy() does (trial.h). This and what follows may be called from several threads: one
