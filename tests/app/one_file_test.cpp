@@ -106,17 +106,12 @@ TEST_F(OneFile, ThatIsWrittenAgainStaysPrivateAndBehindItsLink) {
   const std::string name = session.filename().string();
   fs::rename(session, folder() / "far" / name);
   fs::create_symlink(folder() / "far" / name, session);
-  ASSERT_EQ(run("dataset build recordings --title T --author A --licence CC-BY-4.0").code, 0);
-  fs::rename(folder() / "recordings" / "DATA_CARD.md", folder() / "far" / "card");
-  fs::create_symlink("../far/card", folder() / "recordings" / "DATA_CARD.md");
   ASSERT_EQ(run("calibrate bias --world honest --simulated=3 --fast --save ./rig.toml").code, 0);
   fs::rename(folder() / "rig.toml", folder() / "far" / "rig.toml");
   fs::create_symlink("far/rig.toml", folder() / "rig.toml");
-  const Row rows[] = {
-      {"annotate --note x " + session.string(), name},
-      {"reprocess " + session.string(), name},
-      {"calibrate bias --world honest --simulated=4 --fast --save ./rig.toml", "rig.toml"},
-      {"dataset build --replace recordings --title T --author B --licence CC-BY-4.0", "card"}};
+  const Row rows[] = {{"annotate --note x " + session.string(), name},
+                      {"reprocess " + session.string(), name},
+                      {"calibrate bias --world honest --simulated=4 --fast --save ./rig.toml", "rig.toml"}};
   for (const Row& row : rows) {
     const fs::path file = folder() / "far" / row.file;
     fs::permissions(file, fs::perms{0600});
@@ -131,7 +126,6 @@ TEST_F(OneFile, ThatIsWrittenAgainStaysPrivateAndBehindItsLink) {
   }
   EXPECT_TRUE(fs::is_symlink(session));
   EXPECT_TRUE(fs::is_symlink(folder() / "rig.toml"));
-  EXPECT_TRUE(fs::is_symlink(folder() / "recordings" / "DATA_CARD.md"));
 }
 
 TEST_F(OneFile, OfANameThatLeavesNoRoomForAPartIsRefusedAtTheStart) {

@@ -155,7 +155,7 @@ TEST_F(NonBlockingOutput, NoticesAReaderThatGoesAwayWhileItIsFull) {
   pipe_.close_reader();
   output.finish();
   ASSERT_TRUE(output.failure());
-  EXPECT_THAT(output.failure()->what_happened(), ::testing::HasSubstr("went away"));
+  EXPECT_EQ(output.failure()->code(), ExitCode::storage);
 }
 
 TEST_F(NonBlockingOutput, SaysThatAReaderWasGivenUp) {
@@ -272,7 +272,7 @@ TEST_F(Output, SaysThatItsReaderWentAway) {
     FAIL() << "it was not written";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::storage);
-    EXPECT_NE(error.what_happened().find("reader"), std::string::npos);
+    EXPECT_EQ(error.what_happened(), "") << "the reader of a pipe has enough: no line is due";
   }
 }
 

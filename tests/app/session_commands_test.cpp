@@ -192,7 +192,7 @@ TEST_F(SessionCommands, ANextCommandCanBeTypedWhateverTheNames) {
 
 TEST_F(SessionCommands, InspectTellsOfAWarningOnlyWhereItIsNotThatOfEveryFrame) {
   run("record --world honest,camera.lost_subpages=0.17 --simulated=3 --fast -e kitchen " + brief_plan);
-  EXPECT_THAT(run("inspect recordings/kitchen").out, testing::ContainsRegex("warned   camera_gap [0-9]+ "));
+  EXPECT_THAT(run("inspect recordings/kitchen").out, testing::ContainsRegex("warned   camera_gap [0-9]+"));
   run("record --world typical --simulated=4 --fast -e garden " + brief_plan);  // begins with a cold camera
   const auto session = run("inspect --json recordings/garden").lines()[0][0];
   EXPECT_EQ(session["reasons"]["warm_up"], session["frames_swept"]);

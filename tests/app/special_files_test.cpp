@@ -43,30 +43,29 @@ struct Opener {
   std::vector<int> codes;
 };
 
-const std::vector<int> of_session{8, 8, 2, 2, 2, 8, 6}, of_one_session{8, 8, 8, 2, 2, 8, 6},
+const std::vector<int> of_session{8, 8, 2, 2, 2, 8, 6}, of_model{8, 8, 8, 2, 2, 8, 6},
     of_settings{2, 2, 2, 2, 2, 2, 6};
 
 const std::vector<Opener>& openers() {
-  static const std::vector<Opener> all{
-      {"inspect X", of_session},
-      {"reprocess X", of_session},
-      {"list X", of_session},
-      {"train X -o trained.onnx", of_session},
-      {"evaluate model.onnx X", of_session},
-      {"evaluate --live X", of_session},
-      {"inspect --html page.html X", of_one_session},
-      {"export X --csv -o exported", of_one_session},
-      {"annotate X --note something", of_one_session},
-      {"live --replay X --no-page", of_one_session},
-      {"export X --c-header -o exported", of_one_session},
-      {"evaluate X recordings", of_one_session},
-      {"live --simulated --fast --no-page --speeds 40 --model X", of_one_session},
-      {"recover X", {8, 8, 0, 2, 2, 8, 6}},
-      {"dataset verify X", {2, 2, 2, 2, 2, 2, 2}},
-      {"decode X --device gyro", {2, 2, 2, 2, 2, 4, 6}},
-      {"record --fast --simulated -e garden --plan ./X", of_settings},
-      {"record --fast --simulated -e garden --rig ./X", of_settings},
-      {"doctor --rig ./X", of_settings}};
+  static const std::vector<Opener> all{{"inspect X", of_session},
+                                       {"reprocess X", of_session},
+                                       {"list X", of_session},
+                                       {"train X -o trained.onnx", of_session},
+                                       {"evaluate model.onnx X", of_session},
+                                       {"evaluate --live X", of_session},
+                                       {"inspect --html page.html X", of_session},
+                                       {"export X --csv -o exported", of_session},
+                                       {"annotate X --note something", of_session},
+                                       {"live --replay X --no-page", of_session},
+                                       {"export X --c-header -o exported", of_model},
+                                       {"evaluate X recordings", of_model},
+                                       {"live --simulated --fast --no-page --speeds 40 --model X", of_model},
+                                       {"recover X", {8, 8, 0, 2, 2, 8, 6}},
+                                       {"dataset verify X", {2, 2, 2, 2, 2, 2, 2}},
+                                       {"decode X --device gyro", {2, 2, 2, 2, 2, 4, 6}},
+                                       {"record --fast --simulated -e garden --plan ./X", of_settings},
+                                       {"record --fast --simulated -e garden --rig ./X", of_settings},
+                                       {"doctor --rig ./X", of_settings}};
   return all;
 }
 

@@ -94,7 +94,7 @@ TEST(CalibratedProfile, TakesALensForAnHonestOneInWhatItWasNotToldToBe) {
 TEST(CalibratedProfile, LeavesTheBiasOfAnotherAxisAlone) {
   RigProfile from, into;
   apply(BiasResult{.bias_dps = {0.5, 0.01}}, utc, from);
-  into.gyro.axis = 0;
+  apply(OrientationResult{.gyro_axis = 0, .gyro_sign = 1, .mirrored = true}, utc, into);
   take_calibrations(from, into);
   EXPECT_EQ(into.gyro.bias_dps, 0.0);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "causal_run.h"
 
+#include "thermorig/core/bad_pixels.h"
 #include "thermorig/estimators/live/live_estimates.h"
 #include "thermorig/network/soundness.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -63,8 +64,12 @@ std::vector<EstimateRow> rows_of(const std::vector<CausalMeasurement>& measureme
 
 network::Acquisition acquisition_of(const std::vector<CausalMeasurement>& measurements) {
   network::Acquisition acquisition;
+  PixelWatch pixels;
   for (const auto& [measurement, arrived] : measurements) {
-    const auto& temp_c = measurement.frame.frame.temp_c;
+    ThermalFrame image = measurement.frame.frame;
+    pixels.add(measurement.frame);
+    mend(image, pixels.bad());
+    const auto& temp_c = image.temp_c;
     acquisition.temp_c.insert(acquisition.temp_c.end(), temp_c.begin(), temp_c.end());
     const LabelledSample& sample = measurement.sample;
     acquisition.label_dps.push_back(sample.rate_commanded_dps);

@@ -8,6 +8,7 @@ import hashlib
 import json
 import math
 import os
+import re
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -228,8 +229,16 @@ class Session:
 
     @cached_property
     def frames_c(self) -> NDArray[np.float32]:
-        """(N, 24, 32) degrees Celsius, as the camera sent them; that is what networks are fed with."""
-        return np.asarray(self.file["camera/temperature"][:])
+        """(N, 24, 32) degrees Celsius, bad pixels filled from those around: that is what networks are fed with. As
+        the camera sent them: `file["camera/temperature"]`."""
+        return _mended(np.asarray(self.file["camera/temperature"][:]), self.bad_pixels)
+
+    @cached_property
+    def bad_pixels(self) -> list[tuple[int, int]]:
+        """Row and column, from 0, of each dead, stuck or hot pixel that was found."""
+        text = str(self.file["sync"].attrs.get("camera_bad_pixels", "")) if "sync" in self.file else ""
+        return [(int(row), int(column)) for row, column in re.findall(r"(\d+),(\d+)", text)
+                if int(row) < 24 and int(column) < 32]
 
     @property
     def mirrored(self) -> bool:
@@ -320,6 +329,29 @@ class Session:
         for part in parts:
             digest.update(np.ascontiguousarray(part).tobytes())
         return digest.hexdigest()
+
+
+AROUND = ((-1, -1), (-1, 1), (1, -1), (1, 1), (-2, 0), (0, -2), (0, 2), (2, 0))  # of the same half-frame
+
+
+def _mended(frames_c: NDArray[np.float32], bad: list[tuple[int, int]]) -> NDArray[np.float32]:
+    """Each bad pixel as the mean of the good ones around it, in whole hundredths: as `train` has it, bit for bit."""
+    for row, column in bad:
+        total = np.zeros(len(frames_c), np.float32)
+        count = np.zeros(len(frames_c), np.float32)
+        for down, right in AROUND:
+            other = (row + down, column + right)
+            if not (0 <= other[0] < 24 and 0 <= other[1] < 32) or other in bad:
+                continue
+            value = frames_c[:, other[0], other[1]]
+            good = np.isfinite(value)
+            total += np.where(good, value, np.float32(0))
+            count += good.astype(np.float32)
+        some = count > 0
+        hundredths = (total[some] / count[some] * np.float32(100)).astype(np.float64)
+        rounded = np.copysign(np.floor(np.abs(hundredths) + 0.5), hundredths).astype(np.float32)
+        frames_c[some, row, column] = rounded / np.float32(100)
+    return frames_c
 
 
 def _opened(path: str) -> h5py.File:

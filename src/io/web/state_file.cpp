@@ -87,6 +87,8 @@ void write_state(const std::filesystem::path& path, const PageState& state) {
                   fmt::format("cannot create the folder of the page's state: {}", error.message()),
                   path.parent_path().string(), files::usual_advice(error.value()));
   }
+  // A file is written anew with the access that it has, behind its link: not where others may read it.
+  if (!read_state(path).refused.empty()) ::unlink(path.c_str());
   const nlohmann::json json{{"port", state.port}, {"token", state.token}, {"url", url_of(state)}};
   files::write_whole(path, json.dump() + "\n", "the page's state");
 }

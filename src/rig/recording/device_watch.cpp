@@ -43,6 +43,14 @@ Error other_protocol(Device device, const Evidence& evidence, std::string_view e
                       evidence.found.text_format ? ", and which columns hold the rates" : "")};
 }
 
+/// "message = 27, raw_scale_dps = 0.0573".
+std::string settings_text(const std::map<std::string, double>& settings) {
+  std::string text;
+  for (const auto& [name, value] : settings)
+    text += fmt::format("{}{} = {:.4g}", text.empty() ? "" : ", ", name, value);
+  return text;
+}
+
 /// Why nothing usable came from a device, from what did come.
 Error silent_device(Device device, const RigProfile& profile, const FirstBytes& bytes) {
   const PortProfile& link = profile.link(device);
@@ -64,6 +72,11 @@ Error silent_device(Device device, const RigProfile& profile, const FirstBytes& 
             fmt::format("its lines are not read as [gyro.text] of the profile says; one is: {}",
                         evidence.found.text_format->sample_line),
             where, "thermorig ports --save NEW_NAME takes what the lines say; or mend [gyro.text]"};
+  if (evidence.role == device && !evidence.found.settings.empty())
+    return {ExitCode::device_missing,
+            fmt::format("it sends {}, which the rig profile does not ask for", evidence.found.text), where,
+            fmt::format("say {} in [gyro.{}] of the profile; thermorig ports --save NEW_NAME does",
+                        settings_text(evidence.found.settings), evidence.protocol)};
   return {ExitCode::device_missing,
           fmt::format("it sends {} bytes, but no {} in them", bytes.count(), what_it_sends(device)), where,
           fmt::format("check the baud rate ({} now) and the device; `thermorig ports` tries the usual ones",

@@ -125,6 +125,10 @@ void write_session(const fs::path& path, const Session& session, files::Disk& di
 }
 
 files::ReplacedFile replaced_session(const fs::path& path, files::Disk& disk) {
+  std::error_code hidden;
+  const fs::file_status status = fs::status(path, hidden);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    const sandbox::SealedCopy refuses(path);  // and says why
   return files::ReplacedFile(path, "the session", advice_to_replace, disk);
 }
 
