@@ -128,15 +128,14 @@ INSTANTIATE_TEST_SUITE_P(
                  "57.2958"},
         Compared{
             "reversed_blind", {0, 0, -1}, std::nullopt, Witness::undecided, "other way round", "sign = -1"},
-        Compared{"weak_servo",
-                 {0, 0, 0.6},
-                 Estimate{0.6, 0.01},
-                 Witness::command,
-                 "a weak supply",
-                 "supply"},
+        Compared{"weak_servo", {0, 0, 0.6}, Estimate{0.6, 0.01}, Witness::command, "a weak supply", "supply"},
         Compared{"no_power", {0, 0, 0}, Estimate{0.0, 0.01}, Witness::command, "does not turn", "supply"},
-        Compared{
-            "other_servo", {0, 0, 1.5}, Estimate{1.52, 0.01}, Witness::command, "another servo", "travel_deg"},
+        Compared{"other_servo",
+                 {0, 0, 1.5},
+                 Estimate{1.52, 0.01},
+                 Witness::command,
+                 "another servo",
+                 "travel_deg"},
         Compared{"backwards", {0, 0, -1}, Estimate{-1.0, 0.01}, Witness::command, "other way", "mirrored"},
         Compared{
             "mirrored", {0, 0, 1}, Estimate{-1.01, 0.01}, Witness::images, "mirrored", "mirrored = false"},
