@@ -35,7 +35,8 @@ void require_format_fits(thermorig::test::ByteSpan input) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace thermorig;
   const test::ByteSpan input(data, size);
-  constexpr std::size_t pending_max = 2 * (sensors::text_line_bytes_max + 2);  // two lines, while their number of columns is learnt
+  constexpr std::size_t pending_max =
+      2 * (sensors::text_line_bytes_max + 2);  // two lines, while their number of columns is learnt
   TextColumns timed;
   timed.prefix = "a/g:";
   timed.rate = {3, 4, -1};
