@@ -47,6 +47,8 @@ void require_no_other_reader(const std::string& path, Refusal refusal) {
 files::Descriptor open_exclusively(const std::string& path, Refusal refusal) {
   if (is_system_console(path))  // asked before open(), which already moves its control lines
     throw Error(ExitCode::no_permission, "this port is the system's console", path, existing_ports_text());
+  require_no_other_reader(path,
+                          refusal);  // before open(): bytes that come while it is looked for would be lost
   files::Descriptor port(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (!port) refuse_open(path, errno, refusal);
   if (isatty(port.get()) != 1)  // also a /dev/ttyS* without a chip behind it
@@ -58,10 +60,7 @@ files::Descriptor open_exclusively(const std::string& path, Refusal refusal) {
 files::Descriptor lock_exclusively(files::Descriptor port, const std::string& path, Refusal refusal) {
   // TIOCEXCL does not stop root, so the lock is what two recorders see; pyserial's exclusive=True uses it
   // too.
-  if (flock(port.get(), LOCK_EX | LOCK_NB) == 0) {
-    require_no_other_reader(path, refusal);
-    return port;
-  }
+  if (flock(port.get(), LOCK_EX | LOCK_NB) == 0) return port;
   port.close();  // else this process would be named, which holds it as well
   refuse_in_use(path, refusal);
 }
