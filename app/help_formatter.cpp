@@ -52,7 +52,7 @@ std::string HelpFormatter::make_option_name(const CLI::Option* option, bool is_p
 }
 
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
-  const std::string more = option->get_allow_extra_args() ? "..." : "";
+  std::string more = option->get_allow_extra_args() ? "..." : "";
   if (option->get_positional()) return more;
   if (option->get_items_expected_max() == 0) return "";
   const std::string name = value_of(*option).name;

@@ -163,7 +163,7 @@ std::string verdict_of(const Checks& checks, bool of_rig) {
     if (check.failed()) failed += (failed.empty() ? "" : ", ") + check.name;
   if (!failed.empty()) return "not fit to record: " + failed;
   const std::size_t warnings = count_warnings(checks);
-  const std::string fit = of_rig ? "fit to record" : "no rig was checked; this computer is fit to record";
+  std::string fit = of_rig ? "fit to record" : "no rig was checked; this computer is fit to record";
   if (warnings == 0) return fit;
   return fmt::format("{}, with {} warning{}", fit, warnings, warnings == 1 ? "" : "s");
 }
