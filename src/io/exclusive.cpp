@@ -8,6 +8,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "port_list.h"
@@ -28,9 +29,8 @@ namespace {
 }
 
 /// Who only reads (`cat`) takes no lock, and takes bytes: each one goes to one of two readers.
-void require_no_other_reader(const std::string& path, Refusal refusal) {
-  if (refusal == Refusal::brief) return;
-  if (const auto reader = files::other_holder_of(path)) refuse_in_use(path, " by " + *reader);
+std::optional<std::string> other_reader(const std::string& path, Refusal refusal) {
+  return refusal == Refusal::brief ? std::nullopt : files::other_holder_of(path);
 }
 
 [[noreturn]] void refuse_open(const std::string& path, int error, Refusal refusal) {
@@ -47,14 +47,15 @@ void require_no_other_reader(const std::string& path, Refusal refusal) {
 files::Descriptor open_exclusively(const std::string& path, Refusal refusal) {
   if (is_system_console(path))  // asked before open(), which already moves its control lines
     throw Error(ExitCode::no_permission, "this port is the system's console", path, existing_ports_text());
-  require_no_other_reader(path,
-                          refusal);  // before open(): bytes that come while it is looked for would be lost
+  const auto reader = other_reader(path, refusal);  // before open(): bytes that come meanwhile would be lost
   files::Descriptor port(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (!port) refuse_open(path, errno, refusal);
   if (isatty(port.get()) != 1)  // also a /dev/ttyS* without a chip behind it
     throw Error(ExitCode::device_missing, "this is not a serial port, or no device is behind it", path,
                 existing_ports_text());
-  return lock_exclusively(std::move(port), path, refusal);
+  port = lock_exclusively(std::move(port), path, refusal);
+  if (reader) refuse_in_use(path, " by " + *reader);
+  return port;
 }
 
 files::Descriptor lock_exclusively(files::Descriptor port, const std::string& path, Refusal refusal) {
