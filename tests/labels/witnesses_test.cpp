@@ -178,6 +178,13 @@ TEST(Witnesses, TheProfilesOwnScaleIsNamedWhereItIsTheMistake) {
   EXPECT_THAT(witnesses.remedy, HasSubstr("scale = 1 in [gyro]"));
 }
 
+TEST(Witnesses, TheScaleOfRawCountsIsOfferedWhereTheProtocolHasOne) {
+  Rig rig{.gyro_axes = {0, 0, 0.5}};
+  rig.profile.gyro.protocol = "mavlink";
+  rig.profile.gyro.settings = {{"raw_scale_dps", 0.0573}};
+  EXPECT_THAT(rig.compared().remedy, HasSubstr("raw_scale_dps = 0.1146 in [gyro.mavlink]"));
+}
+
 TEST(Witnesses, WithoutLegsHaveNothingToCompare) {
   EXPECT_FALSE((Rig{.images = {}, .rates_dps = {}}.compared().gyro_share));
   EXPECT_EQ((Rig{.images = {}, .rates_dps = {}}.compared().outlier), Witness::none);

@@ -145,6 +145,24 @@ double lean_of(const Axes& axes, std::size_t axis) {
   return std::atan2(beside, std::abs(axes.share[axis])) * 180.0 / std::numbers::pi;
 }
 
+/// Three digits that count.
+std::string share_text(double share) {
+  return std::abs(share) < 0.0005 ? "0" : fmt::format("{:.3g}", share);
+}
+
+/// The line of the profile that takes out a factor; where the protocol fixes the unit, what is to be set in
+/// the device.
+std::string scale_line(const GyroProfile& profile, double factor) {
+  if (profile.protocol == "text")
+    return fmt::format("set scale_dps = {:.6g} in [gyro.text] of the profile",
+                       profile.text.scale_dps / factor);
+  if (const double raw_dps = profile.setting("raw_scale_dps"); raw_dps > 0.0)
+    return fmt::format("set raw_scale_dps = {:.4g} in [gyro.{}] of the profile", raw_dps / factor,
+                       profile.protocol);
+  return fmt::format("set the device to the range and unit of its protocol: it shows {} of the true rate",
+                     share_text(factor));
+}
+
 /// `share`: of the gyro; `expected`: what it should be; `tolerance`: relative, of their ratio.
 Cause gyro_cause(const Axes& axes, double share, double expected, double tolerance,
                  const GyroProfile& profile) {
@@ -168,11 +186,8 @@ Cause gyro_cause(const Axes& axes, double share, double expected, double toleran
     return {turned, fmt::format("set sign = {} in [gyro] of the profile", -profile.sign)};
   if (unit != nullptr) {
     const std::string sign = turned.empty() ? "" : fmt::format(", and sign = {}", -profile.sign);
-    const std::string line = profile.protocol == "text"
-                                 ? fmt::format("scale_dps = {:.6g} in [gyro.text] of the profile",
-                                               profile.text.scale_dps / unit->factor)
-                                 : "set the gyro to the range and the unit of the profile";
-    return {turned.empty() ? unit->why : turned + ", and " + unit->why, line + sign};
+    return {turned.empty() ? unit->why : turned + ", and " + unit->why,
+            scale_line(profile, unit->factor) + sign};
   }
   if (const double lean_deg = lean_of(axes, axis); lean_deg > most_lean_deg)
     return {fmt::format("its axis leans by {:.0f} deg against the shaft's", lean_deg),
@@ -245,11 +260,6 @@ Witness outlier_of(const std::optional<Estimate>& gyro, const std::optional<Esti
   if (!gyro_off) return apart ? Witness::images : Witness::none;
   if (apart) return images_off ? Witness::undecided : Witness::gyro;
   return images_off ? Witness::command : Witness::undecided;  // the images agree with either of the two
-}
-
-/// Three digits that count.
-std::string share_text(double share) {
-  return std::abs(share) < 0.0005 ? "0" : fmt::format("{:.3g}", share);
 }
 
 /// Nothing where they were not looked at.
