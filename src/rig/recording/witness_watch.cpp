@@ -20,8 +20,10 @@ constexpr std::size_t most_at_rest = 100'000;  // samples before the first leg: 
 
 void WitnessWatch::gyro(const TimedGyro& sample) {
   if (done_) return;
-  if (in_legs_s_ == 0.0 && gyro_.size() >= most_at_rest)
+  if (gyro_.size() >= most_at_rest) {
+    if (in_legs_s_ > 0.0) return stop();  // its legs wait for something: memory stays bounded
     gyro_.erase(gyro_.begin(), gyro_.begin() + most_at_rest / 2);
+  }
   gyro_.push_back(sample);
 }
 
@@ -35,7 +37,7 @@ std::optional<std::string> WitnessWatch::servo(const TimedServo& state) {
   if (in_legs_s_ - compared_at_s_ < period_s) return std::nullopt;
   compared_at_s_ = in_legs_s_;
   auto sentence = compare();
-  if (sentence || in_legs_s_ > longest_s) rest();
+  if (sentence || in_legs_s_ > longest_s) stop();
   return sentence;
 }
 
@@ -52,7 +54,7 @@ std::optional<std::string> WitnessWatch::compare() {
   return fmt::format("{}; try: {}", witnesses.cause, witnesses.remedy);
 }
 
-void WitnessWatch::rest() {
+void WitnessWatch::stop() {
   done_ = true;
   gyro_ = {};
   servo_ = {};

@@ -12,7 +12,7 @@ namespace thermorig::rig {
 
 /// Compares gyro and command while the first legs are driven, so that a gyro of another unit, range, sign or
 /// axis is named before a recording is spent on it. It forgets what it heard once it has spoken, or after a
-/// minute of legs.
+/// minute of legs, or some eight minutes since it began to listen.
 class WitnessWatch {
  public:
   explicit WitnessWatch(const RigProfile& profile) : profile_(profile) {}
@@ -24,7 +24,7 @@ class WitnessWatch {
 
  private:
   std::optional<std::string> compare();
-  void rest();
+  void stop();
 
   RigProfile profile_;
   std::vector<TimedGyro> gyro_;
