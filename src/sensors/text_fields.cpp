@@ -151,6 +151,27 @@ std::string_view digits_of(std::string_view text) {
   return digits_in(text).text;
 }
 
+bool is_sign(std::string_view text) {
+  return text == "-" || text == "+";
+}
+
+bool has_stray_sign(std::string_view line) {
+  bool behind_sign = false;
+  for (Fields fields(line); const auto field = fields.next();) {
+    if (behind_sign && begins_with_number(field->value) && read_number(field->value)) return true;
+    behind_sign = is_sign(field->value);
+  }
+  return false;
+}
+
+/// "1,362" behind a name and before a blank: a comma that groups digits.
+bool has_grouped_digits(std::string_view cell) {
+  const TextField field = field_of(cell);
+  const std::size_t comma = field.value.find(',');
+  return !field.name.empty() && comma != field.value.npos && comma >= 1 && field.value.size() == comma + 4 &&
+         field.value.find_first_not_of("-0123456789,") == field.value.npos;
+}
+
 bool has_decimal_commas(std::string_view line) {
   bool has_comma = false, has_other = false;
   for (const char c : line) {
@@ -162,6 +183,7 @@ bool has_decimal_commas(std::string_view line) {
   while (!(line = without_leading(line, "; \t\v\f")).empty()) {
     std::string_view cell = line.substr(0, std::min(line.find_first_of("; \t\v\f"), line.size()));
     line.remove_prefix(cell.size());
+    if (has_grouped_digits(cell)) return true;
     const TextField field = field_of(cell);
     cell = field.value.substr(0, field.value.find_last_not_of(',') + 1);
     if (!cell.empty() && (cell[0] == '-' || cell[0] == '+')) cell.remove_prefix(1);

@@ -75,7 +75,13 @@ std::optional<double> read_number(std::string_view text);
 /// Of a text that read_number() reads: its digits.
 std::string_view digits_of(std::string_view text);
 
-/// "0,35;1,20;-3,50": commas stand for decimal points where something else separates the numbers.
+/// A sign and nothing else.
+bool is_sign(std::string_view text);
+
+/// "gy: - 0.17": a sign that stands apart from its number, which would be read without it.
+bool has_stray_sign(std::string_view line);
+
+/// "0,35;1,20;-3,50", "gx: 1,362 mdps": commas within numbers, where something else separates these.
 bool has_decimal_commas(std::string_view line);
 
 }  // namespace thermorig::sensors

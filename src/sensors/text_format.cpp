@@ -65,11 +65,13 @@ bool is_constant(const TextTable& table, std::size_t column) {
                      [&](const auto& row) { return row[column] == table.rows.front()[column]; });
 }
 
-/// A clock rises from line to line; few lines must do so in nearly equal steps as well.
-bool runs_like_a_clock(const TextTable& table, std::size_t column) {
+/// A clock rises from line to line. Where no word calls it time, and where lines are few, it must do so in
+/// nearly equal steps as well: nine of ten.
+bool runs_like_a_clock(const TextTable& table, std::size_t column, bool is_named) {
   const std::vector<double> steps = steps_of(table, column);
   if (steps.empty() || steps.front() <= 0) return false;
-  return table.rows.size() >= rows_of_a_clock || (steps.size() > 1 && steps.back() <= 2 * steps.front());
+  if (is_named && table.rows.size() >= rows_of_a_clock) return true;
+  return steps.size() > 1 && steps[steps.size() * 9 / 10] <= 2 * steps[steps.size() / 10];
 }
 
 /// The unit that brings the usual step nearest to the lines' period.
@@ -114,18 +116,40 @@ int first_of(const Rates& rates) {
   return rates[1] >= 0 ? rates[1] : rates[2];
 }
 
-/// The columns that words call rates about x, y, z; all three, or those whose axis has a name.
+/// The columns that are rates about x, y, z by words, or by a unit alone where no word names them: all three,
+/// or those whose axis has a name. None where two columns are called the same.
 Rates named_rates(const TextTable& table) {
-  Rates rates{-1, -1, -1};
-  bool axes_named = true;
-  for (std::size_t column = 0; column < table.columns.size(); ++column) {
-    const Meaning& meaning = table.columns[column].meaning;
-    if (meaning.quantity != Quantity::rate || !meaning.axis || !table.columns[column].is_number) continue;
-    if (rates[*meaning.axis] >= 0) continue;
-    rates[*meaning.axis] = static_cast<int>(column);
-    axes_named &= meaning.axis_named;
+  const auto are_rates = [&](bool named) {
+    Rates rates{-1, -1, -1};
+    bool axes_named = true;
+    for (std::size_t column = 0; column < table.columns.size(); ++column) {
+      const Meaning& meaning = table.columns[column].meaning;
+      if (meaning.quantity != Quantity::rate || !meaning.axis || !table.columns[column].is_number) continue;
+      if (meaning.is_named != named) continue;
+      if (rates[*meaning.axis] >= 0) return Rates{-1, -1, -1};
+      rates[*meaning.axis] = static_cast<int>(column);
+      axes_named &= meaning.axis_named;
+    }
+    return count_of(rates) == axes || (axes_named && named) ? rates : Rates{-1, -1, -1};
+  };
+  const bool any_named =
+      std::any_of(table.columns.begin(), table.columns.end(), [](const TextColumn& column) {
+        return column.meaning.quantity == Quantity::rate && column.meaning.is_named;
+      });
+  return are_rates(any_named);
+}
+
+/// deg/s of one unit, if the words say it of an axis, and nothing else of another; else 0.
+double scale_of(const TextTable& table, const Rates& rates) {
+  double scale_dps = 0.0;
+  for (const int column : rates) {
+    if (column < 0) continue;
+    const Meaning& meaning = table.columns[static_cast<std::size_t>(column)].meaning;
+    if (meaning.unit.empty()) continue;
+    if (meaning.scale_dps == 0.0 || (scale_dps > 0.0 && meaning.scale_dps != scale_dps)) return 0.0;
+    scale_dps = meaning.scale_dps;
   }
-  return count_of(rates) == axes || axes_named ? rates : Rates{-1, -1, -1};
+  return scale_dps;
 }
 
 /// Three columns whose length is that of gravity in a unit, and hardly changes.
@@ -160,8 +184,19 @@ class Recogniser {
   Recogniser(const TextPage& page, double heard_s) : page_(page), heard_s_(heard_s) {}
 
   std::optional<TextFormat> format() {
+    if (2 * page_.with_hex > page_.lines)
+      return refuse("its numbers are hexadecimal", "print them in decimal: Serial.print(gx), without HEX");
+    if (page_.with_minus_signs >= rows_needed)
+      return refuse("its minus signs are a character of their own (U+2212), not \"-\"",
+                    "print or export plain text; of a file: sed 's/\xE2\x88\x92/-/g'");
     if (most_frequent() == nullptr) return std::nullopt;
-    if (2 * page_.rows_with_decimal_commas > page_.rows) return refuse_commas();
+    if (10 * page_.with_stray_signs > page_.rows)
+      return refuse("a blank stands between a sign and its number", "print \"-0.17\", not \"- 0.17\"");
+    if (2 * page_.with_decimal_commas > page_.rows)
+      return refuse(
+          "its numbers have decimal commas, or commas that group digits, and a comma separates columns",
+          "print points; of a file whose columns lie between semicolons or tabs: tr , . <FILE | thermorig "
+          "decode --device gyro -");
     if (const TextTable* named = best_named()) return of_named(*named);
     if (const KnownSketch* sketch = sketch_of_order()) return of_order(*sketch);
     if (is_of_other_things()) return refuse_other_things();
@@ -187,7 +222,7 @@ class Recogniser {
   const TextTable* best_named() const {
     const auto merit = [](const TextTable& table) {
       const Rates rates = named_rates(table);
-      const bool has_unit = count_of(rates) > 0 && has_scale(table, rates);
+      const bool has_unit = scale_of(table, rates) > 0.0;
       return std::tuple(count_of(rates), rates[2] >= 0, has_unit, table.rows.size());
     };
     const TextTable* best = nullptr;
@@ -196,13 +231,6 @@ class Recogniser {
           (best == nullptr || merit(table) > merit(*best)))
         best = &table;
     return best;
-  }
-
-  static const Meaning& meaning_of(const TextTable& table, const Rates& rates) {
-    return table.columns[static_cast<std::size_t>(first_of(rates))].meaning;
-  }
-  static bool has_scale(const TextTable& table, const Rates& rates) {
-    return meaning_of(table, rates).scale_dps > 0.0;
   }
 
   bool is_on_page(std::string_view mark) const {
@@ -250,16 +278,16 @@ class Recogniser {
     begin(table);
     take_rates(named_rates(table));
     find_time();
-    const Meaning& meaning = meaning_of(table, format_.columns.rate);
-    const std::string& name = table.columns[static_cast<std::size_t>(first_rate())].name;
+    const auto& [name, meaning, is_number, decimals] = table.columns[static_cast<std::size_t>(first_rate())];
+    const double scale_dps = scale_of(table, format_.columns.rate);
     say(fmt::format("{} are the rates by the words \"{}\"", columns_text(), name));
     if (count_of(format_.columns.rate) < axes) say_one_axis();
-    if (meaning.scale_dps > 0.0)
-      take_scale(meaning.scale_dps, fmt::format("their unit is {}, as the words say", meaning.unit));
+    if (scale_dps > 0.0)
+      take_scale(scale_dps, fmt::format("their unit is {}, as the words say", meaning.unit));
     else if (const KnownSketch* sketch = sketch_of_names())
       take_scale(sketch->scale_dps, std::string(sketch->what));
     else
-      leave_scale_open();
+      leave_scale_open(meaning.unit);
     return finish();
   }
 
@@ -280,12 +308,14 @@ class Recogniser {
     begin(table);
     find_time();
     if (numbers_.size() < axes) return std::nullopt;
-    if (numbers_.size() == axes && is_headed_by_rates()) {
+    const bool is_time_a_guess = numbers_.size() < table.number_columns().size();
+    if (numbers_.size() == axes && is_headed_by_rates() &&
+        (!is_time_a_guess || above_.has_named(Quantity::time))) {
       take_rates(in_named_order(0));
       say(fmt::format("{} are the rates, as the lines above say", columns_text()));
-      if (above_.last_scale_dps() > 0.0)
-        take_scale(above_.last_scale_dps(),
-                   fmt::format("their unit is {}, as the lines above say", above_.last_unit()));
+      if (above_.said_scale_dps() > 0.0)
+        take_scale(above_.said_scale_dps(),
+                   fmt::format("their unit is {}, as the lines above say", above_.said_unit()));
       else
         leave_scale_open();
       return finish();
@@ -359,13 +389,10 @@ class Recogniser {
     return format_;
   }
 
-  TextFormat refuse_commas() {
-    begin(*most_frequent());
-    format_.refusal = "its numbers have decimal commas, and a comma separates columns";
-    format_.advice =
-        "print points; of a file whose columns lie between semicolons or tabs: tr , . <FILE | thermorig "
-        "decode "
-        "--device gyro -";
+  TextFormat refuse(std::string why, std::string advice) {
+    if (const TextTable* table = most_frequent()) begin(*table);
+    format_.refusal = std::move(why);
+    format_.advice = std::move(advice);
     return format_;
   }
 
@@ -379,7 +406,7 @@ class Recogniser {
       return std::find_if(numbers_.begin(), numbers_.end(), [&](std::size_t column) {
         const Quantity quantity = table_->columns[column].meaning.quantity;
         return is_free(column) && quantity == (named ? Quantity::time : Quantity::none) &&
-               (named || column == numbers_.front()) && runs_like_a_clock(*table_, column);
+               (named || column == numbers_.front()) && runs_like_a_clock(*table_, column, named);
       });
     };
     auto time = clock(true);
@@ -404,13 +431,18 @@ class Recogniser {
     say(std::move(why));
   }
 
-  void leave_scale_open() {
+  /// `words` stand where a unit does.
+  void leave_scale_open(const std::string& words = "") {
     const auto& rates = format_.columns.rate;
     format_.is_counts = std::all_of(rates.begin(), rates.end(), [&](int column) {
       return column < 0 || table_->columns[static_cast<std::size_t>(column)].decimals == 0;
     });
     format_.columns.scale_dps = format_.is_counts ? 1.0 / mpu6050_counts_per_dps : 1.0;
-    say("nothing says their unit");
+    say(words.empty()
+            ? "nothing says their unit"
+            : fmt::format("\"{}\" does not say their unit: a factor may stand beside it, or it is that "
+                          "of an angle",
+                          words));
   }
 
   void say_one_axis() {
@@ -430,11 +462,43 @@ class Recogniser {
       format_.refusal = fmt::format("its lines have {} bytes, the limit is {}", table_->sample_line.size(),
                                     text_line_bytes_max);
       format_.advice = "print fewer columns";
+    } else if (has_unsigned_counts()) {
+      format_.refusal = "its counts have lost their sign (65535 for -1)";
+      format_.advice = "keep them in an int16_t before they are printed";
+    } else if (changes_unit()) {
+      format_.refusal = "the unit on its lines changes";
+      format_.advice = "print one unit, or give decode the part of the file that has it";
     } else if (reads_other_lines() || is_told_by_headings()) {
       format_.refusal = "lines of rates and lines of other values begin alike, and nothing tells them apart";
       format_.advice = "print one line a sample, or a word at the start of each kind of line";
     }
     return format_;
+  }
+
+  /// Whole numbers of 16 bits that are never negative, and lie near both ends.
+  bool has_unsigned_counts() const {
+    if (format_.scale_known && !format_.is_counts) return false;
+    bool is_large = false;
+    for (const int column : format_.columns.rate) {
+      if (column < 0) continue;
+      for (const auto& row : table_->rows) {
+        const double number = row[static_cast<std::size_t>(column)];
+        if (number < 0 || number != std::trunc(number) || number > 65535) return false;
+        is_large |= number > 32767;
+      }
+    }
+    return is_large;
+  }
+
+  /// Lines that would be read alike say another unit.
+  bool changes_unit() const {
+    if (!format_.rates_known) return false;
+    const double scale_dps = scale_of(*table_, format_.columns.rate);
+    return std::any_of(page_.tables.begin(), page_.tables.end(), [&](const TextTable& table) {
+      return table.prefix == table_->prefix && named_rates(table) == format_.columns.rate &&
+             is_enough(table) && scale_dps > 0.0 && scale_of(table, format_.columns.rate) > 0.0 &&
+             scale_of(table, format_.columns.rate) != scale_dps;
+    });
   }
 
   /// Two sorts of lines would pass for samples.

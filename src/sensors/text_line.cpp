@@ -29,14 +29,16 @@ Columns read_columns(const TextColumns& wanted, std::string_view line) {
                                                        {wanted.time, &columns.time}}};
   for (const auto& [column, place] : places) columns.wanted += column >= 0 ? 1U : 0U;
   Fields fields(line);
+  bool behind_sign = false;  // "- 0.17": a number that would be read without its sign
   while (const std::optional<TextField> field = fields.next()) {
     const auto index = static_cast<int>(columns.fields++);
     for (const auto& [column, place] : places) {
       if (column != index) continue;
-      const std::optional<double> number = read_number(field->value);
+      const std::optional<double> number = behind_sign ? std::nullopt : read_number(field->value);
       columns.numbers += number ? 1U : 0U;
       *place = number.value_or(0.0);
     }
+    behind_sign = is_sign(field->value);
   }
   return columns;
 }

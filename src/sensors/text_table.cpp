@@ -89,6 +89,7 @@ std::vector<TextColumn> columns_of(const Parts& parts, std::string_view& behind_
   }
   behind_last = words_until(parts.words.data() + parts.words.size());
   reader.words(behind_last);
+  reader.end();
   for (std::size_t i = 0; i < numbers.size(); ++i) columns[numbers[i]].meaning = reader.meanings()[i];
   return columns;
 }
@@ -129,29 +130,75 @@ std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   return cells;
 }
 
-/// Gives the columns of a table the names of a header, if it has as many cells as the table's lines. A cell
-/// may hold several columns ("2025-01-01 06:00:00"): its last number has the name.
-bool take_names(const std::string& header, TextTable& table) {
-  const std::string_view line = table.sample_line;
+/// A header without the list of units behind it: "gx,gy,gz,ax,ay,az [dps,g]".
+struct Header {
+  std::string names, units;
+};
+Header parts_of_header(std::string_view text) {
+  const std::size_t end = text.find_last_not_of(" \t");
+  const std::size_t begin = end == text.npos ? text.npos : text.find_last_of("[(");
+  const bool closes = begin != text.npos && (text[end] == ']' || text[end] == ')');
+  const std::string_view inside = closes ? text.substr(begin + 1, end - begin - 1) : std::string_view();
+  if (inside.find_first_of(",;|") == inside.npos) return {std::string(text), {}};
+  return {std::string(text.substr(0, begin)), std::string(inside)};
+}
+
+/// The one unit of rates that a list of units holds: "dps" of "dps,g".
+std::string rate_unit_in(std::string_view units) {
+  WordReader reader;
+  reader.words(units);
+  return reader.said_scale_dps() > 0.0 ? reader.said_unit() : "";
+}
+
+/// Every cell is a unit or empty, as in the second row of a header.
+bool is_row_of_units(const std::vector<std::string_view>& cells) {
+  return !cells.empty() && std::all_of(cells.begin(), cells.end(), [](std::string_view cell) {
+    const std::string_view unit = trimmed(cell, " \t[(\"'", " \t])\"'");
+    return unit.empty() || unit == "-" || unit_length(unit) == unit.size();
+  });
+}
+
+/// The column that each cell of a line ends with. A cell may hold several ("2025-01-01 06:00:00").
+std::vector<std::optional<std::size_t>> columns_in(const std::vector<std::string_view>& cells,
+                                                   const TextTable& table) {
+  std::vector<std::optional<std::size_t>> holds(cells.size());
+  std::size_t cell = 0, column = 0;
+  const Parts parts = parts_of(table.sample_line);
+  for (Fields fields(parts.columns); const auto field = fields.next(); ++column) {
+    while (cell + 1 < cells.size() && field->text.data() >= cells[cell + 1].data()) ++cell;
+    if (table.columns[column].is_number) holds[cell] = column;
+  }
+  return holds;
+}
+
+/// Gives the columns of a table the names of a header, if it has as many cells as the table's lines; a row of
+/// units may stand below it.
+bool take_names(const std::string& text, const std::string* units_below, TextTable& table) {
+  const Header header = parts_of_header(text);
+  const std::string shared_unit = rate_unit_in(header.units);
   for (const char separator : {'\t', ',', ';', ' '}) {
-    const std::vector<std::string_view> names = cells_of(header, separator);
-    const std::vector<std::string_view> cells = cells_of(line, separator);
-    if (names.size() < 3 || names.size() != cells.size()) continue;
-    const Parts parts = parts_of(line);
-    std::size_t cell = 0, column = 0;
-    std::vector<std::optional<std::size_t>> holds(cells.size());
-    for (Fields fields(parts.columns); const auto field = fields.next(); ++column) {
-      while (cell + 1 < cells.size() && field->text.data() >= cells[cell + 1].data()) ++cell;
-      if (table.columns[column].is_number) holds[cell] = column;
-    }
+    const std::vector<std::string_view> names = cells_of(header.names, separator);
+    const std::vector<std::string_view> cells = cells_of(table.sample_line, separator);
+    if (names.size() < 3 || names.size() != cells.size() || is_row_of_units(names)) continue;
+    std::vector<std::string_view> units;
+    if (units_below != nullptr) units = cells_of(*units_below, separator);
+    if (!is_row_of_units(units)) units.clear();
+    units.resize(names.size());
+    const auto holds = columns_in(cells, table);
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (!holds[i]) continue;
       WordReader reader;
-      reader.words(names[i]);
+      reader.words(std::string(names[i]) + " " + std::string(units[i]));
       reader.number();
-      table.columns[*holds[i]].name = bare_name(names[i]);
-      table.columns[*holds[i]].meaning = reader.meanings().front();
-      if (!reader.meanings().front().axis_named) table.columns[*holds[i]].meaning.axis.reset();
+      reader.end();
+      TextColumn& column = table.columns[*holds[i]];
+      column.name = bare_name(names[i]);
+      column.meaning = reader.meanings().front();
+      if (!column.meaning.axis_named) column.meaning.axis.reset();
+      if (column.meaning.quantity != Quantity::rate || !column.meaning.unit.empty() || shared_unit.empty())
+        continue;
+      column.meaning.unit = shared_unit;
+      column.meaning.scale_dps = scale_of_unit(shared_unit);
     }
     return true;
   }
@@ -160,8 +207,26 @@ bool take_names(const std::string& header, TextTable& table) {
 
 bool has_words(const TextTable& table) {
   return std::any_of(table.columns.begin(), table.columns.end(), [](const TextColumn& column) {
-    return column.meaning.quantity != Quantity::none || column.meaning.axis_named;
+    const Quantity quantity = column.meaning.quantity;
+    return (quantity != Quantity::none && quantity != Quantity::other) || column.meaning.axis_named;
   });
+}
+
+bool holds_minus_sign(std::string_view line) {
+  constexpr std::string_view minus = "\xE2\x88\x92";
+  for (std::size_t at = line.find(minus); at != line.npos; at = line.find(minus, at + 1))
+    if (at + minus.size() < line.size() && is_digit(line[at + minus.size()])) return true;
+  return false;
+}
+
+bool holds_hex(std::string_view line) {
+  std::size_t numbers = 0;
+  for (Fields fields(line); const auto field = fields.next();) {
+    const std::string_view value = trimmed(field->value, "[{(\"'", "]})\"',;");
+    numbers += value.size() > 2 && value[0] == '0' && (value[1] == 'x' || value[1] == 'X') &&
+               value.find_first_not_of("0123456789abcdefABCDEF", 2) == value.npos;
+  }
+  return numbers >= 3;
 }
 
 /// Collects lines by kind.
@@ -175,18 +240,25 @@ class PageReader {
     }
     if (!is_text(text)) return;
     page_.bytes += line.bytes;
+    ++page_.lines;
+    page_.with_minus_signs += holds_minus_sign(text) ? 1U : 0U;
+    page_.with_hex += holds_hex(text) ? 1U : 0U;
     const Parts parts = parts_of(text);
     if (leading_text(parts.columns).size() == parts.columns.size()) return add_heading(text);
     ++page_.rows;
-    page_.rows_with_decimal_commas += has_decimal_commas(text) ? 1U : 0U;
+    page_.with_decimal_commas += has_decimal_commas(text) ? 1U : 0U;
+    page_.with_stray_signs += has_stray_sign(text) ? 1U : 0U;
     add_row(text, parts);
   }
 
   TextPage page() {
     for (TextTable& table : page_.tables) {
       if (has_words(table)) continue;
-      for (auto header = page_.headings.rbegin(); header != page_.headings.rend(); ++header)
-        if (take_names(*header, table)) break;
+      const std::string* below = nullptr;
+      for (auto header = page_.headings.rbegin(); header != page_.headings.rend(); ++header) {
+        if (take_names(*header, below, table)) break;
+        below = &*header;
+      }
     }
     return std::move(page_);
   }

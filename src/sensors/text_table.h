@@ -35,8 +35,12 @@ struct TextPage {
   std::vector<std::string> headings;  // lines without a number, each once
   std::size_t heading_lines = 0;      // how many there are
   std::size_t rows = 0;
-  std::size_t rows_with_decimal_commas = 0;
-  std::uint64_t bytes = 0;  // in lines of text, with their ends
+  std::size_t lines = 0;  // of text, that are not blank
+  std::size_t with_decimal_commas = 0;
+  std::size_t with_stray_signs = 0;  // "gy: - 0.17"
+  std::size_t with_minus_signs = 0;  // U+2212 in front of a digit
+  std::size_t with_hex = 0;          // three numbers or more: "0x1F"
+  std::uint64_t bytes = 0;           // in lines of text, with their ends
 };
 
 TextPage read_page(std::span<const std::uint8_t> bytes, StreamStart start);

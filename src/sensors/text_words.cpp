@@ -68,21 +68,24 @@ constexpr std::array known_words{
     KnownWord{"us", Quantity::time},
     KnownWord{"millis", Quantity::time},
     KnownWord{"micros", Quantity::time},
-    KnownWord{"pressure", Quantity::other},
-    KnownWord{"baro", Quantity::other},
-    KnownWord{"altitude", Quantity::other},
-    KnownWord{"humidity", Quantity::other},
-    KnownWord{"voltage", Quantity::other},
-    KnownWord{"battery", Quantity::other},
+    KnownWord{"ts", Quantity::time},
     KnownWord{"calibration", Quantity::other},
-    KnownWord{"steps", Quantity::other},
-    KnownWord{"bias", Quantity::other},
-    KnownWord{"offset", Quantity::other},
-    KnownWord{"offsets", Quantity::other},
-    KnownWord{"range", Quantity::other},
-    KnownWord{"std", Quantity::other},
-    KnownWord{"hz", Quantity::other},
 };
+
+// What stands at such a word is not what the gyro measures now: a setting, a wish, a statistic.
+constexpr std::array<std::string_view, 47> modifiers{
+    "max",     "min",     "maximum",   "minimum",     "limit",      "fs",         "fsr",        "fullscale",
+    "range",   "scale",   "sens",      "sensitivity", "resolution", "target",     "setpoint",   "desired",
+    "demand",  "command", "commanded", "cmd",         "ref",        "reference",  "goal",       "expected",
+    "nominal", "error",   "errors",    "err",         "noise",      "bias",       "biases",     "offset",
+    "offsets", "drift",   "std",       "stddev",      "sigma",      "rms",        "variance",   "threshold",
+    "peak",    "sum",     "total",     "integral",    "delta",      "correction", "uncertainty"};
+
+// They name nothing.
+constexpr std::array<std::string_view, 24> fillers{
+    "hz",   "in",    "of",     "the",    "is",         "are",      "and",      "at",
+    "data", "value", "values", "val",    "raw",        "reading",  "readings", "axis",
+    "axes", "unit",  "units",  "scaled", "calibrated", "filtered", "per",      "as"};
 
 // Letters that are a name only with an axis right behind them.
 constexpr std::array stems{
@@ -148,9 +151,17 @@ class Front {
 
 struct Unit {
   std::size_t length = 0;  // 0: none
-  double scale_dps = 0.0;  // of rates; 0: another quantity's
-  bool of_rates_alone = false;
+  double scale_dps = 0.0;  // 0: "deg" or "rad", which may be an angle's
 };
+
+/// Letters in front of a unit, and what they multiply it with.
+struct Multiple {
+  std::string_view letters;
+  double factor;
+};
+constexpr std::array multiples{Multiple{"milli", 1e-3}, Multiple{"micro", 1e-6}, Multiple{"centi", 1e-2},
+                               Multiple{"m", 1e-3},     Multiple{"u", 1e-6},     Multiple{"c", 1e-2},
+                               Multiple{"d", 1e-1},     Multiple{"", 1.0}};
 
 bool take_degrees(Front& front) {
   if (front.take_any({"degrees", "degree", "degs", "deg"})) return true;
@@ -163,49 +174,87 @@ void skip_gap(Front& front) {
   }
 }
 
-/// "/s", " per second", "_s", "ps".
-bool take_per_second(Front& front) {
+/// "/s", " per second", "_s", "ps", "/min": seconds; 0: nothing of the kind.
+double take_per_time(Front& front) {
   const bool is_joined = Front(front).take("_");
   skip_gap(front);
-  if (!front.take_any({"/", "per", "p", ".", "s^-1"}) && !is_joined) return false;
+  if (!front.take_any({"/", "per", "p", ".", "s^-1"}) && !is_joined) return 0.0;
   skip_gap(front);
-  return front.take_any({"seconds", "second", "secs", "sec", "s"}) && front.at_word_end();
+  Front minutes = front;
+  if (minutes.take_any({"minutes", "minute", "min"}) && minutes.at_word_end()) {
+    front = minutes;
+    return 60.0;
+  }
+  return front.take_any({"seconds", "second", "secs", "sec", "s"}) && front.at_word_end() ? 1.0 : 0.0;
 }
 
-/// "rad/s", "milliradians per second", "deg/sec"; also "rads" and "degs" of a rate. "rad" and "deg" alone may
-/// be those of an angle: they say nothing.
+/// One unit's size in degrees; 0: none.
+double take_angle(Front& front) {
+  if (front.take_any({"radians", "radian", "rads", "rad"})) return dps_of_rad_s;
+  if (front.take_any({"revolutions", "revolution", "revs", "rev", "turns", "turn"})) return 360.0;
+  return take_degrees(front) ? 1.0 : 0.0;
+}
+
+/// "rad/s", "milliradians per second", "deg/min", "rpm"; also "rads" and "degs" of a rate. "rad" and "deg"
+/// alone may be those of an angle: they say nothing.
 Unit rate_unit(std::string_view text) {
-  Front front(text);
-  if (front.take("mdps") && front.at_word_end()) return {front.at(), 1e-3, true};
-  if (front.take_any({"dps", "o/s"}) && front.at_word_end())
-    return {front.at(), 1.0, true};  // o: a degree sign
-  front = Front(text);
-  double scale_dps = front.take_any({"milli", "m"}) ? 1e-3 : 1.0;
-  if (front.take_any({"radians", "radian", "rads", "rad"}))
-    scale_dps *= dps_of_rad_s;
-  else if (!take_degrees(front))
-    return {};
-  Front per = front;
-  if (take_per_second(per)) return {per.at(), scale_dps, true};
-  if (!front.at_word_end() || Front(text.substr(front.at())).take("c")) return {};
-  const bool is_short_for_rate = small(text[front.at() - 1]) == 's' && front.at() <= 5;  // "rads", "mdegs"
-  return {front.at(), is_short_for_rate ? scale_dps : 0.0, false};
-}
-
-std::size_t acceleration_unit_length(std::string_view text) {
-  Front front(text);
-  return front.take_any({"m/s^2", "m/s2", "m/s/s", "m/s\xC2\xB2"}) && front.at_word_end() ? front.at() : 0;
-}
-
-Unit other_unit(std::string_view text) {
-  if (const std::size_t length = acceleration_unit_length(text); length > 0) return {length, 0.0, false};
-  Front front(text);
-  if (front.take_any({"mg", "ut", "gauss", "hz", "g", "ms", "us", "s", "c", "f", "v", "%"}) &&
-      front.at_word_end())
-    return {front.at(), 0.0, false};
-  front = Front(text);
-  if (take_degrees(front) && front.take("c") && front.at_word_end()) return {front.at(), 0.0, false};
+  Front rpm(text);
+  if (rpm.take("rpm") && rpm.at_word_end()) return {rpm.at(), 6.0};
+  for (const auto& [letters, factor] : multiples) {
+    Front front(text);
+    if (!front.take(letters)) continue;
+    Front dps = front;
+    if (dps.take_any({"dps", "o/s"}) && dps.at_word_end()) return {dps.at(), factor};  // o: a degree sign
+    const double size_deg = take_angle(front);
+    if (size_deg == 0.0) continue;
+    Front per = front;
+    if (const double time_s = take_per_time(per); time_s > 0) return {per.at(), factor * size_deg / time_s};
+    if (!front.at_word_end() || Front(text.substr(front.at())).take("c") || size_deg == 360.0) continue;
+    const bool is_short_for_rate = small(text[front.at() - 1]) == 's' && front.at() <= 5;  // "rads", "mdegs"
+    return {front.at(), is_short_for_rate ? factor * size_deg : 0.0};
+  }
   return {};
+}
+
+std::size_t other_unit_length(std::string_view text) {
+  Front front(text);
+  if (front.take_any({"m/s^2", "m/s2", "m/s/s", "m/s\xC2\xB2", "mg", "ut", "gauss", "hz", "g", "ms", "us",
+                      "s", "c", "f", "v", "%"}) &&
+      front.at_word_end())
+    return front.at();
+  front = Front(text);
+  return take_degrees(front) && front.take("c") && front.at_word_end() ? front.at() : 0;
+}
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t';
+}
+
+/// A number that multiplies what stands before it: "deg/s*10", "gx * 1000", "rad/s x 100", "deg/s^2".
+bool is_multiplied(std::string_view behind) {
+  behind.remove_prefix(std::min(behind.find_first_not_of(" \t"), behind.size()));
+  Front front(behind);
+  if (!front.take_any({"*", "x", "\xC3\x97", "^", "/"})) return false;
+  behind.remove_prefix(front.at());
+  behind.remove_prefix(std::min(behind.find_first_not_of(" \t"), behind.size()));
+  return !behind.empty() && is_digit(behind[0]);
+}
+
+/// A number stands right before: "1e-3 rad/s", "0.1 dps"; or counts of the unit are meant: "LSB/dps". The
+/// digits of a name ("MPU6050 dps") are no number.
+bool is_counted(std::string_view before) {
+  before = before.substr(0, before.find_last_not_of(" \t*") + 1);
+  if (before.empty()) return false;
+  if (before.back() == '/' || lower(before).ends_with(" per")) return true;
+  if (!is_digit(before.back())) return false;
+  const std::size_t begin = before.find_last_not_of("0123456789.eE+-");
+  return begin == before.npos || (!is_letter(before[begin]) && before[begin] != '_');
+}
+
+/// A unit behind which the line goes on with "=" or ":" is a name: "ms=5".
+bool is_name_at(std::string_view behind) {
+  const std::size_t at = behind.find_first_not_of(" \t\"'])}");
+  return at != behind.npos && (behind[at] == ':' || behind[at] == '=');
 }
 
 /// Where a name written in one piece goes on with its next word: "gyroX", "IMUGyro".
@@ -229,6 +278,11 @@ std::optional<std::size_t> axis_behind(std::string_view text, std::size_t end) {
   return word_end(text, at) == at + 1 ? axis_of(text[at]) : std::nullopt;
 }
 
+/// Where the unit is one of rates.
+bool may_be_rate(Quantity quantity) {
+  return quantity == Quantity::none || quantity == Quantity::angle || quantity == Quantity::other;
+}
+
 }  // namespace
 
 std::string_view name_of(Quantity quantity) {
@@ -240,60 +294,97 @@ std::string_view name_of(Quantity quantity) {
 
 std::size_t unit_length(std::string_view text) {
   const Unit rate = rate_unit(text);
-  return rate.length > 0 ? rate.length : other_unit(text).length;
+  return rate.length > 0 ? rate.length : other_unit_length(text);
+}
+
+double scale_of_unit(std::string_view text) {
+  return rate_unit(text).scale_dps;
 }
 
 void WordReader::words(std::string_view text) {
-  named_in_gap_ = joined_ = false;
-  is_first_word_ = true;
-  axis_.reset();
+  gap_ = {};
+  gap_.opens = !text.empty() && (text.back() == '(' || text.back() == '[');
   for (std::size_t at = 0; at < text.size();) {
-    const bool is_sign = static_cast<unsigned char>(text[at]) >= 0x80;
-    if (!is_letter(text[at]) && !is_sign) {
-      if (text[at] == ' ' || text[at] == '\t' || text[at] == ',' || text[at] == ';') joined_ = false;
+    const char c = text[at];
+    const bool is_sign = static_cast<unsigned char>(c) >= 0x80;
+    if (!is_letter(c) && !is_sign) {
+      if (is_blank(c) || c == ',' || c == ';') gap_.is_joined = false;
+      if (c == '{' || c == '[' || c == '(') ++brackets_;
+      if ((c == '}' || c == ']' || c == ')') && brackets_ > 0) {
+        --brackets_;
+        if (modified_in_ && brackets_ < *modified_in_) modified_in_.reset();
+      }
       ++at;
       continue;
     }
-    if (is_sign || is_word_begin(text, at)) {
-      const Unit found = rate_unit(text.substr(at));
-      if (found.length > 0) {
-        unit(found.scale_dps, text.substr(at, found.length), found.of_rates_alone);
-        at += found.length;
-        continue;
-      }
-      if (const std::size_t length = acceleration_unit_length(text.substr(at)); length > 0) {
-        at += length;
-        continue;
-      }
+    if (const std::size_t length = take_unit(text, at); length > 0) {
+      at += length;
+      continue;
     }
     const std::size_t end = is_sign ? at + 1 : word_end(text, at);
     const bool in_number = at > 0 && is_digit(text[at - 1]);  // "0x50"
-    if (!is_sign && !in_number) word(text, at, end);
-    is_first_word_ = false;
+    if (!is_sign && !in_number) word({text, at, end});
+    if (gap_.is_named && is_multiplied(text.substr(end))) unit(0.0, "a multiple");
+    gap_.is_first_word = false;
     at = end;
   }
 }
 
-void WordReader::word(std::string_view text, std::size_t begin, std::size_t end) {
+/// The length of a unit that stands at `at`.
+std::size_t WordReader::take_unit(std::string_view text, std::size_t at) {
+  const bool is_sign = static_cast<unsigned char>(text[at]) >= 0x80;
+  if (!is_sign && !is_word_begin(text, at)) return 0;
+  const std::string_view rest = text.substr(at);
+  if (const Unit found = rate_unit(rest); found.length > 0) {
+    const bool has_factor = is_counted(text.substr(0, at)) || is_multiplied(rest.substr(found.length));
+    const std::size_t closing = rest.find_first_not_of(" \t", found.length);
+    gap_.closes_factor = is_tail() && closing != rest.npos && (rest[closing] == ')' || rest[closing] == ']');
+    unit(has_factor ? 0.0 : found.scale_dps, rest.substr(0, found.length));
+    return found.length;
+  }
+  const std::size_t length = other_unit_length(rest);
+  const bool is_behind_number =
+      is_tail() && text.find_first_not_of(" \t)]}", 0) == at && !is_name_at(rest.substr(length));
+  const bool is_acceleration = length > 2 && rest[1] == '/';
+  return is_behind_number || is_acceleration ? length : 0;
+}
+
+void WordReader::word(const Word& at) {
+  const auto [text, begin, end] = at;
   const std::string word = lower(text.substr(begin, end - begin));
   const bool has_digit = end < text.size() && is_digit(text[end]);
-  const bool was_angle = named_in_gap_ && quantity_ == Quantity::angle;
+  const bool was_angle = gap_.is_named && gap_.quantity == Quantity::angle;
   if (was_angle && (word == "rate" || word == "vel" || word == "velocity" || word == "speed"))
-    return name(Quantity::rate, axis_);  // "yaw rate", "AngVelX"
-  if (word == "vector" && named_in_gap_ && quantity_ == Quantity::rate)
+    return name(Quantity::rate, std::nullopt);  // "yaw rate", "AngVelX"
+  if (std::find(fillers.begin(), fillers.end(), word) != fillers.end()) return;
+  if (word == "vector" && gap_.is_named && gap_.quantity == Quantity::rate)
     return name(Quantity::quaternion, std::nullopt);  // "rotation vector"
-  if (word.size() == 1 && axis_of(word[0])) return name(quantity_, axis_of(word[0]));
+  if (word.size() == 1 && axis_of(word[0])) return gap_.axes.push_back(*axis_of(word[0]));
+  if (word.size() == 3 && axis_of(word[0]) && axis_of(word[1]) && axis_of(word[2])) {  // "xyz", "zyx"
+    for (const char letter : word) gap_.axes.push_back(*axis_of(letter));
+    return;
+  }
+  if (std::find(modifiers.begin(), modifiers.end(), word) != modifiers.end()) {
+    gap_.is_modified = true;
+    modified_in_ = brackets_ + 1;
+    return;
+  }
   if (std::optional<Quantity> known = find(known_words, word)) {
-    if (*known == Quantity::time && named_in_gap_) return;                          // "in g's"
-    if (*known == Quantity::rate && was_angle && joined_) known = Quantity::angle;  // "angleGyroX"
-    joined_ = true;
+    if (*known == Quantity::time && gap_.is_named) return;                                 // "in g's"
+    if (*known == Quantity::rate && was_angle && gap_.is_joined) known = Quantity::angle;  // "angleGyroX"
+    const bool is_roll = word == "yaw" || word == "pitch" || word == "roll";
+    if (is_roll && (gap_.is_named ? gap_.quantity == Quantity::rate : roll_is_rate_)) {
+      known = Quantity::rate;  // "gyro roll=1 pitch=2 yaw=3"
+      gap_.roll_is_rate = true;
+    }
+    gap_.is_joined = true;
     if (word == "yaw" || word == "yawrate") return name(*known, 2);
     if (word == "pitch" || word == "pitchrate") return name(*known, 1);
     if (word == "roll" || word == "rollrate") return name(*known, 0);
     return name(*known, std::nullopt);
   }
   const bool is_label =
-      is_first_word_ && end < text.size() && text[end] == ':';  // "G: 1 2 3", not "Acc in G:"
+      gap_.is_first_word && end < text.size() && text[end] == ':';  // "G: 1 2 3", not "Acc in G:"
   if (const auto stem = find(stems, word);
       stem && (axis_behind(text, end) || (word == "q" && has_digit) || (is_label && word.size() == 1)))
     return name(*stem, std::nullopt);
@@ -302,61 +393,125 @@ void WordReader::word(std::string_view text, std::size_t begin, std::size_t end)
   if (const auto known = axis ? find(known_words, rest) : std::nullopt) return name(*known, axis);
   if (const auto stem = axis || (word.back() == 'w' && rest == "q") ? find(stems, rest) : std::nullopt)
     return name(*stem, axis);
-  if (word == "raw" || word == "lsb" || word == "counts" || word == "count") unit(-1.0, "counts", false);
+  if (const auto known =
+          axis_of(word[0]) ? find(known_words, std::string_view(word).substr(1)) : std::nullopt)
+    return name(*known, axis_of(word[0]));  // "xgyro", "gyroXangle"
+  if (word == "lsb" || word == "counts" || word == "count") return unit(0.0, "counts");
+  gap_.is_unknown = true;
 }
 
 void WordReader::name(Quantity quantity, std::optional<std::size_t> axis) {
   named_[static_cast<std::size_t>(quantity)] = true;
-  if (quantity != quantity_) begin_group(quantity);
-  if (axis) axis_ = axis;
-  named_in_gap_ = true;
+  if (axis) gap_.axes.push_back(*axis);
+  gap_.is_named = true;
+  gap_.quantity = quantity;
 }
 
 void WordReader::begin_group(Quantity quantity) {
+  end_group();
   quantity_ = quantity;
   group_ = meanings_.size();
-  axes_named_ = false;
+  is_named_ = is_modified_ = axes_named_ = roll_is_rate_ = false;
   scale_dps_ = 0.0;
   unit_.clear();
+  axes_.clear();
 }
 
-/// Counts, whose scale no word says: -1, kept as 0 with their name.
-void WordReader::unit(double scale_dps, std::string_view text, bool of_rates_alone) {
-  const double said_dps = std::max(scale_dps, 0.0);
-  if (of_rates_alone) {
+/// A word that nobody knows before several numbers is the line's name, not theirs.
+void WordReader::end_group() {
+  if (quantity_ != Quantity::other || is_named_ || is_modified_ || axes_named_) return;
+  if (meanings_.size() < group_ + 2) return;
+  for (std::size_t i = group_; i < meanings_.size(); ++i)
+    if (meanings_[i].quantity == Quantity::other) meanings_[i].quantity = Quantity::none;
+}
+
+/// Whether what stands between the numbers names something that is no measured rate.
+bool WordReader::is_of_something_else() const {
+  return gap_.is_modified || (modified_in_ && brackets_ >= *modified_in_);
+}
+
+/// A unit right behind numbers is theirs; one behind a name is that of the numbers to come. 0: words that
+/// stand where a unit does, but do not say how large it is.
+void WordReader::unit(double scale_dps, std::string_view text) {
+  if (scale_dps > 0.0 && !is_of_something_else()) {
     named_[static_cast<std::size_t>(Quantity::rate)] = true;
-    last_scale_dps_ = said_dps;
-    last_unit_ = text;
+    is_contradicted_ |= said_scale_dps_ > 0.0 && said_scale_dps_ != scale_dps;
+    said_scale_dps_ = scale_dps;
+    said_unit_ = text;
   }
-  if (named_in_gap_ || group_ == meanings_.size()) {
-    if (of_rates_alone && quantity_ == Quantity::none) begin_group(Quantity::rate);
-    scale_dps_ = said_dps;
-    unit_ = text;
-  }
-  if (named_in_gap_) return;
-  for (std::size_t i = of_rates_alone ? 0 : group_; i < meanings_.size(); ++i) {  // "0.01, -0.02, 0.35 rad/s"
+  if (is_tail()) return unit_behind(scale_dps, text);
+  if (!gap_.unit.empty() && gap_.unit != text) scale_dps = 0.0;
+  gap_.scale_dps = scale_dps;
+  gap_.unit = text;
+}
+
+void WordReader::unit_behind(double scale_dps, std::string_view text) {
+  const bool says_rate = scale_dps > 0.0 && !is_modified_;
+  const bool is_list = meanings_.size() == group_ + 3 || axes_named_ || is_named_;
+  for (std::size_t i = group_; i < meanings_.size(); ++i) {  // "0.01, -0.02, 0.35 rad/s"
     Meaning& meaning = meanings_[i];
-    const bool becomes_rate = of_rates_alone && i >= group_ && meaning.quantity == Quantity::none;
+    const bool becomes_rate =
+        says_rate && may_be_rate(meaning.quantity) && (is_list || meanings_.size() == group_ + 1);
     if (!meaning.unit.empty() || (meaning.quantity != Quantity::rate && !becomes_rate)) continue;
     meaning.quantity = Quantity::rate;
-    meaning.scale_dps = said_dps;
+    meaning.scale_dps = scale_dps;
     meaning.unit = text;
   }
 }
 
 void WordReader::number() {
-  Meaning meaning{
-      .quantity = quantity_, .axis = axis_, .axis_named = axis_.has_value(), .scale_dps = 0.0, .unit = {}};
-  if (quantity_ == Quantity::rate) {
+  const bool is_of_other = is_of_something_else();
+  if (is_of_other || (!gap_.is_named && gap_.is_unknown)) {
+    begin_group(Quantity::other);
+    is_modified_ = is_of_other;
+  } else if (gap_.is_named) {
+    if (gap_.quantity != quantity_ || !is_named_) begin_group(gap_.quantity);
+    is_named_ = true;
+    roll_is_rate_ = gap_.roll_is_rate;
+  }
+  if (gap_.closes_factor && was_opened_ && !gap_.opens && is_tail()) drop_factor();
+  if (!gap_.unit.empty()) {
+    unit_ = gap_.unit;
+    scale_dps_ = gap_.scale_dps;
+  }
+  if (!gap_.axes.empty() || gap_.is_named) axes_ = gap_.axes;
+  Meaning meaning{.quantity = quantity_, .is_named = is_named_, .axis = {}, .unit = {}};
+  if (!axes_.empty()) {
+    meaning.axis = axes_.front();
+    meaning.axis_named = axes_named_ = true;
+    axes_.erase(axes_.begin());
+  }
+  const std::size_t order = meanings_.size() - group_;
+  if (!axes_named_ && order < 3) meaning.axis = order;
+  const bool becomes_rate = scale_dps_ > 0.0 && !is_modified_ && may_be_rate(quantity_);
+  if (quantity_ == Quantity::rate || becomes_rate) {
+    meaning.quantity = Quantity::rate;
     meaning.scale_dps = scale_dps_;
     meaning.unit = unit_;
   }
-  axes_named_ |= axis_.has_value();
-  const std::size_t order = meanings_.size() - group_;
-  if (!axes_named_ && order < 3) meaning.axis = order;
-  meanings_.push_back(meaning);
-  axis_.reset();
-  named_in_gap_ = false;
+  meanings_.push_back(std::move(meaning));
+  was_opened_ = gap_.opens;
+  if (modified_in_ && brackets_ < *modified_in_) modified_in_.reset();
+}
+
+/// Of "gx (0.1 dps): 12" the second number is the rate, the first a part of its unit.
+void WordReader::drop_factor() {
+  Meaning& factor = meanings_.back();
+  if (factor.axis_named) axes_ = {*factor.axis};
+  unit_ = factor.unit.empty() ? "a factor" : factor.unit;
+  scale_dps_ = 0.0;
+  factor = {.quantity = Quantity::other, .axis = {}, .unit = {}};
+  group_ = meanings_.size();
+}
+
+void WordReader::end() {
+  end_group();
+  if (gap_.unit.empty() || !gap_.is_named || gap_.quantity != Quantity::rate) return;
+  for (Meaning& meaning : meanings_)  // {"gyro":[1,2,3],"units":{"gyro":"rad/s"}}
+    if (meaning.quantity == Quantity::rate && meaning.is_named && meaning.unit.empty()) {
+      meaning.scale_dps = gap_.scale_dps;
+      meaning.unit = gap_.unit;
+    }
 }
 
 }  // namespace thermorig::sensors

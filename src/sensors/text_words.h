@@ -41,6 +41,7 @@ std::string_view name_of(Quantity quantity);
 /// Of one number.
 struct Meaning {
   Quantity quantity = Quantity::none;
+  bool is_named = false;            // by a word, not just by a unit
   std::optional<std::size_t> axis;  // 0, 1, 2: x, y, z
   bool axis_named = false;          // not just by the order of three numbers
   double scale_dps = 0.0;           // deg/s of one unit of a rate; 0: the words do not say
@@ -48,43 +49,83 @@ struct Meaning {
 };
 
 /// Reads words and numbers of a line in their order. Words stand before the numbers they name, units before
-/// or behind them.
+/// or behind them. A name holds for the numbers until the next one; a unit holds for the name that it stands
+/// at, and for no other.
 class WordReader {
  public:
   /// The words before the next number, behind the last one.
   void words(std::string_view text);
   /// A number stands here.
   void number();
-  /// Of all numbers so far, once the words behind the last one were read.
+  /// The line ends here: what was said behind the last number is taken in.
+  void end();
+  /// Of all numbers, once the line has ended.
   const std::vector<Meaning>& meanings() const { return meanings_; }
-  /// Every quantity that the words named, numbers or not, and the last unit of rates.
+  /// Every quantity that the words named, numbers or not.
   bool has_named(Quantity quantity) const { return named_[static_cast<std::size_t>(quantity)]; }
-  double last_scale_dps() const { return last_scale_dps_; }
-  const std::string& last_unit() const { return last_unit_; }
+  /// The one unit of rates on lines that have no numbers of their own; 0: none, or several.
+  double said_scale_dps() const { return is_contradicted_ ? 0.0 : said_scale_dps_; }
+  const std::string& said_unit() const { return said_unit_; }
 
  private:
-  void word(std::string_view text, std::size_t begin, std::size_t end);
+  /// What stands between two numbers.
+  struct Gap {
+    bool is_named = false;               // a known word
+    Quantity quantity = Quantity::none;  // then: which
+    bool is_unknown = false;             // another word, which may name something else
+    bool is_modified = false;            // "max", "target": not what is measured
+    bool is_first_word = true;           //
+    bool is_joined = false;              // the word before belongs to the same name: "accAngleX"
+    bool closes_factor = false;          // of "(0.1 dps)"
+    bool roll_is_rate = false;           // "gyro roll=1 pitch=2 yaw=3"
+    bool opens = false;                  // a bracket right before the number
+    std::vector<std::size_t> axes;
+    double scale_dps = 0.0;
+    std::string unit;
+  };
+  struct Word {
+    std::string_view text;
+    std::size_t begin, end;
+  };
+
+  std::size_t take_unit(std::string_view text, std::size_t at);
+  void word(const Word& word);
   void name(Quantity quantity, std::optional<std::size_t> axis);
-  void unit(double scale_dps, std::string_view text, bool of_rates_alone);
+  void unit(double scale_dps, std::string_view text);
+  void unit_behind(double scale_dps, std::string_view text);
   void begin_group(Quantity quantity);
+  void drop_factor();
+  void end_group();
+  bool is_tail() const {
+    return !meanings_.empty() && !gap_.is_named && !gap_.is_unknown && gap_.axes.empty();
+  }
+  bool is_of_something_else() const;
 
   std::vector<Meaning> meanings_;
-  Quantity quantity_ = Quantity::none;
-  std::optional<std::size_t> axis_;
-  double scale_dps_ = 0.0;
-  std::string unit_;
-  std::size_t group_ = 0;      // its first number
-  bool axes_named_ = false;    // of the group
-  bool named_in_gap_ = false;  // since the last number: a unit that comes now is of the numbers to come
-  bool is_first_word_ = true;  // of those between two numbers
-  bool joined_ = false;        // the word before belongs to the same name: "accAngleX"
+  Gap gap_;
+  std::size_t brackets_ = 0;                // that are open
+  std::optional<std::size_t> modified_in_;  // brackets around a word such as "target"
+  Quantity quantity_ = Quantity::none;      // of the group
+  std::size_t group_ = 0;                   // its first number
+  bool is_named_ = false;                   // by a known word
+  bool is_modified_ = false;                //
+  bool axes_named_ = false;                 //
+  bool roll_is_rate_ = false;               // "gyro roll=1 pitch=2 yaw=3"
+  double scale_dps_ = 0.0;                  // of numbers to come
+  std::string unit_;                        //
+  std::vector<std::size_t> axes_;           // of numbers to come: "gyro (z,y,x): 1 2 3"
   std::array<bool, 9> named_{};
-  double last_scale_dps_ = 0.0;
-  std::string last_unit_;
+  bool was_opened_ = false;  // the last number, by a bracket
+  double said_scale_dps_ = 0.0;
+  std::string said_unit_;
+  bool is_contradicted_ = false;
 };
 
 /// The length of a unit that `text` begins with and that ends there as a word: "rad/s", "dps", "m/s^2", "C",
 /// "ms", a degree sign in any encoding; 0: none.
 std::size_t unit_length(std::string_view text);
+
+/// deg/s of one of the unit of a rate that `text` begins with; 0: none.
+double scale_of_unit(std::string_view text);
 
 }  // namespace thermorig::sensors

@@ -355,6 +355,148 @@ const std::vector<Layout> layouts{
        return fmt::format("gyro_x_deg:{:.2f} gyro_y_deg:{:.2f} gyro_z_deg:{:.2f}", v.g(0), v.g(1), v.g(2));
      },
      1.0, "", false, true},
+    {"another device's unit at the end of the line",
+     [](const Values& v) {
+       return fmt::format("gx={:.4f} gy={:.4f} gz={:.4f} servo=-0.2 deg/s", v.g(0), v.g(1), v.g(2));
+     },
+     rad_s, "", false, true},
+    {"a range in front",
+     [](const Values& v) {
+       return fmt::format("range:500dps,gx:{:.0f},gy:{:.0f},gz:{:.0f}", v.g(0), v.g(1), v.g(2));
+     },
+     1.0 / 65.5, "", false, true},
+    {"JSON, the unit of another object",
+     [](const Values& v) {
+       return fmt::format(R"({{"gyro":[{:.4f},{:.4f},{:.4f}],"wheel":{{"speed":-0.2,"unit":"deg/s"}}}})",
+                          v.g(0), v.g(1), v.g(2));
+     },
+     rad_s, "", false, true},
+    {"JSON, the unit of its own object",
+     [](const Values& v) {
+       return fmt::format(
+           R"({{"gyro":{{"x":{:.4f},"y":{:.4f},"z":{:.4f},"unit":"rad/s"}},"wheel":{{"speed":-0.2,"unit":"deg/s"}}}})",
+           v.g(0), v.g(1), v.g(2));
+     },
+     rad_s},
+    {"JSON, an object of units",
+     [](const Values& v) {
+       return fmt::format(R"({{"gyro":[{:.4f},{:.4f},{:.4f}],"units":{{"acc":"g","gyro":"rad/s"}}}})", v.g(0),
+                          v.g(1), v.g(2));
+     },
+     rad_s},
+    {"JSON, the full scale beside the counts",
+     [](const Values& v) {
+       return fmt::format(R"({{"fs_dps":250,"gx":{:.0f},"gy":{:.0f},"gz":{:.0f}}})", v.g(0), v.g(1), v.g(2));
+     },
+     1.0 / 131.0, "", false, true},
+    {"JSON, what is asked for beside what is measured",
+     [](const Values& v) {
+       return fmt::format(
+           R"({{"target":{{"gx":0.0,"gy":0.0,"gz":20.0}},"actual":{{"gx":{:.2f},"gy":{:.2f},"gz":{:.2f}}}}})",
+           v.g(0), v.g(1), v.g(2));
+     },
+     1.0, "", false, true},
+    {"a maximum before three bare numbers",
+     [](const Values& v) {
+       return fmt::format("gyro max 250 deg/s: {:.0f} {:.0f} {:.0f}", v.g(0), v.g(1), v.g(2));
+     },
+     1.0 / 131.0, "", true, true},
+    {"a wish before the rates",
+     [](const Values& v) {
+       return fmt::format("target rate: 60 deg/s gyro: {:.4f} {:.4f} {:.4f}", v.g(0), v.g(1), v.g(2));
+     },
+     rad_s, "", false, true},
+    {"noise behind the rates",
+     [](const Values& v) {
+       return fmt::format("gyro: {:.4f} {:.4f} {:.4f} gyro noise: 0.05 dps", v.g(0), v.g(1), v.g(2));
+     },
+     rad_s, "", false, true},
+    {"a range in a banner above bare numbers",
+     [](const Values& v) { return fmt::format("{:.4f},{:.4f},{:.4f}", v.g(0), v.g(1), v.g(2)); }, rad_s,
+     "Gyro range set to: +- 500 deg/s\r\nFilter bandwidth set to: 5 Hz\r\n", false, true},
+    {"a factor in front of the unit",
+     [](const Values& v) {
+       return fmt::format("gx (0.1 dps): {:.0f} gy (0.1 dps): {:.0f} gz (0.1 dps): {:.0f}", v.g(0), v.g(1),
+                          v.g(2));
+     },
+     0.1, "", false, true},
+    {"a factor behind the unit",
+     [](const Values& v) {
+       return fmt::format("gyro (deg/s*10): {:.0f} {:.0f} {:.0f}", v.g(0), v.g(1), v.g(2));
+     },
+     0.1, "", false, true},
+    {"a factor at the name",
+     [](const Values& v) {
+       return fmt::format("gx*1000 (rad/s): {:.0f} gy*1000 (rad/s): {:.0f} gz*1000 (rad/s): {:.0f}", v.g(0),
+                          v.g(1), v.g(2));
+     },
+     0.001 * rad_s, "", false, true},
+    {"a power of ten in a header",
+     [](const Values& v) { return fmt::format("{},{:.0f},{:.0f},{:.0f}", v.ms, v.g(0), v.g(1), v.g(2)); },
+     0.001 * rad_s, "ms,gx(1e-3rad/s),gy(1e-3rad/s),gz(1e-3rad/s)\r\n", false, true},
+    {"counts a unit",
+     [](const Values& v) {
+       return fmt::format("gyro (131 LSB/dps): {:.0f} {:.0f} {:.0f}", v.g(0), v.g(1), v.g(2));
+     },
+     1.0 / 131.0, "", false, true},
+    {"axes in another order, named at once",
+     [](const Values& v) {
+       return fmt::format("gyro (z,y,x) dps: {:.2f} {:.2f} {:.2f}", v.g(2), v.g(1), v.g(0));
+     }},
+    {"a number of the line that is no clock",
+     [](const Values& v) {
+       return fmt::format("seq:{} gx:{:.2f} gy:{:.2f} gz:{:.2f} dps", v.ms / 10, v.g(0), v.g(1), v.g(2));
+     }},
+    {"an angle that rises, in a column of a header",
+     [](const Values& v) { return fmt::format("{},{:.2f},{:.2f},{:.2f}", v.ms, v.g(0), v.g(1), v.g(2)); },
+     1.0, "odometer,gx_dps,gy_dps,gz_dps\r\n"},
+    {"a header of two kinds with their units behind",
+     [](const Values& v) {
+       return fmt::format("{:.2f},{:.2f},{:.2f},{:.3f},{:.3f},{:.3f}", v.g(2), v.g(1), v.g(0), v.a(2), v.a(1),
+                          v.a(0));
+     },
+     1.0, "gz,gy,gx,az,ay,ax [dps,g]\r\n"},
+    {"a row of units below the names",
+     [](const Values& v) {
+       return fmt::format("{:.4f};{:.4f};{:.4f};{:.3f};{:.3f};{:.3f}", v.g(0), v.g(1), v.g(2), v.a(0), v.a(1),
+                          v.a(2));
+     },
+     rad_s, "gx;gy;gz;ax;ay;az\r\n[rad/s];[rad/s];[rad/s];[g];[g];[g]\r\n"},
+    {"hundredths",
+     [](const Values& v) {
+       return fmt::format("gx:{:.0f} gy:{:.0f} gz:{:.0f} cdps", v.g(0), v.g(1), v.g(2));
+     },
+     0.01},
+    {"revolutions a minute",
+     [](const Values& v) {
+       return fmt::format("gyro rpm x={:.4f} y={:.4f} z={:.4f}", v.g(0), v.g(1), v.g(2));
+     },
+     6.0},
+    {"degrees a minute",
+     [](const Values& v) {
+       return fmt::format("gyro [deg/min] {:.1f} {:.1f} {:.1f}", v.g(0), v.g(1), v.g(2));
+     },
+     1.0 / 60.0},
+    {"roll, pitch and yaw of a gyro",
+     [](const Values& v) {
+       return fmt::format("gyro(deg/s) roll={:.2f} pitch={:.2f} yaw={:.2f}", v.g(0), v.g(1), v.g(2));
+     }},
+    {"two gyros",
+     [](const Values& v) {
+       return fmt::format("imu1 gx:{0:.2f} gy:{1:.2f} gz:{2:.2f} imu2 gx:{0:.2f} gy:{1:.2f} gz:{2:.2f} dps",
+                          v.g(0), v.g(1), v.g(2));
+     },
+     1.0, "", true, true},
+    {"units that are not the same on each axis",
+     [](const Values& v) {
+       return fmt::format("gx:{:.4f} rad/s gy:{:.4f} rad/s gz:{:.4f} deg/s", v.g(0), v.g(1), v.g(2));
+     },
+     rad_s, "", false, true},
+    {"a word that nobody knows before axes and a unit",
+     [](const Values& v) {
+       return fmt::format("MPU6050 x:{:.4f} y:{:.4f} z:{:.4f} rad/s", v.g(0), v.g(1), v.g(2));
+     },
+     rad_s},
     {"bare columns of three",
      [](const Values& v) { return fmt::format("{:.2f} {:.2f} {:.2f}", v.g(0), v.g(1), v.g(2)); }, 1.0, "",
      true, true},
@@ -461,6 +603,52 @@ TEST(TextLayouts, WithDecimalCommasAreRefusedWhereSomethingElseSeparates) {
     for (int i = 10; i < 30; ++i) text += fmt::format(fmt::runtime(line), i) + "\n";
     EXPECT_THAT(guess(text)->refusal, IsEmpty()) << line;
   }
+}
+
+TEST(TextLayouts, WhoseNumbersWouldBeReadWrongAreRefusedWithTheCause) {
+  struct Refused {
+    const char* line;
+    const char* reason;
+  };
+  for (const Refused& refused :
+       {Refused{"gx: - 0.{0} gy: 0.10 gz: - 0.20 dps", "a sign and its number"},
+        Refused{"gx=\xE2\x88\x92"
+                "0.{0} gy=0.10 gz=0.20 dps",
+                "U+2212"},
+        Refused{"gx=0x{0} gy=0xFF1A gz=0x0010", "hexadecimal"},
+        Refused{"gx={0} gy=1,362 gz=5 mdps", "commas"}, Refused{"gx:{0} gy:65530 gz:3", "lost their sign"}}) {
+    std::string text;
+    for (int i = 10; i < 30; ++i) text += fmt::format(fmt::runtime(refused.line), i) + "\n";
+    const auto format = guess(text);
+    ASSERT_TRUE(format.has_value()) << refused.line;
+    EXPECT_THAT(format->refusal, HasSubstr(refused.reason)) << refused.line;
+    EXPECT_NE(format->advice, "") << refused.line;
+    EXPECT_FALSE(format->is_known());
+  }
+}
+
+TEST(TextLayouts, WhoseUnitChangesAreRefused) {
+  std::string text;
+  for (int i = 10; i < 30; ++i)
+    text += fmt::format("gx:0.{} gy:0.1 gz:0.2 {}\n", i, i < 20 ? "rad/s" : "deg/s");
+  EXPECT_THAT(guess(text)->refusal, HasSubstr("unit on its lines changes"));
+}
+
+TEST(TextLayouts, ReadNoNumberWithoutItsSign) {
+  const std::string text = "1,2,- 3\n1,2,- 3\n4,5,6\n4,5,6\n";
+  const auto scan =
+      scan_any_chunking<wire::GyroMessage>(text_scanner({}, sensors::StreamStart::at_line_start),
+                                           ByteVector(text.begin(), text.end()), Stream::ends);
+  for (const auto& message : scan.messages) EXPECT_NE(message.reading.rate_dps[2], 3.0F);
+}
+
+TEST(TextLayouts, TakeARampForNoClock) {
+  std::string text = "gx,gy,gz dps\n";
+  for (int i = 0; i < 30; ++i) text += fmt::format("{:.2f},0.1{},0.2{},25.1\n", 0.1 * i * i, i % 7, i % 5);
+  const auto format = guess(text);
+  ASSERT_TRUE(format.has_value());
+  EXPECT_EQ(format->columns.time, -1);
+  EXPECT_FALSE(format->is_known());
 }
 
 TEST(TextLayouts, OfASensorThatNeverMovesAreDoubted) {
