@@ -80,6 +80,7 @@ EstimateRow LiveRun::observe(const Measurement& measurement, HostTime arrived) {
   for (LiveScreen* screen : screens_) screen->frame(seen);
   if (++frames_ == scene_frame) warn_of_scene(measurement.frame.frame);
   warn_of_gate(scores);
+  warn_of_ignored();
   tell_of_map();
   tell_of_rows();
   return row;
@@ -118,6 +119,11 @@ void LiveRun::warn_of_gate(const live::LiveScores& scores) {
       "--auxiliary-thermal)",
       scores.gain_mean < 0.5 ? "below 0.02" : "above 0.98");
   orders_.push_back({rig::OrderKind::gate, sentence});
+}
+
+void LiveRun::warn_of_ignored() {
+  if (estimates_.bank().ignored() == 0 || std::exchange(ignored_told_, true)) return;
+  warn("a device sent values that are no numbers (NaN or infinite): estimators pass over them");
 }
 
 void LiveRun::tell_of_map() {

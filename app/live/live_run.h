@@ -69,6 +69,7 @@ class LiveRun {
   void publish_surroundings();
   void warn_of_scene(const ThermalFrame& frame);
   void warn_of_gate(const live::LiveScores& scores);
+  void warn_of_ignored();
   void tell_of_map();
   void tell_of_rows();
 
@@ -86,6 +87,7 @@ class LiveRun {
   std::uint64_t frames_ = 0;
   std::optional<HostTime> surroundings_shown_;
   bool gate_told_ = false;
+  bool ignored_told_ = false;
   std::optional<odometer::FoundRows> rows_told_;
 };
 

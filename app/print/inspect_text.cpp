@@ -204,6 +204,7 @@ nlohmann::json inspected_json(const std::filesystem::path& path, const Session& 
   object["state"] = session::name_of(session.state);
   object["duration_s"] = quality.duration_s;
   object["camera_mode"] = session.camera_mode;
+  object["camera_bad_pixels"] = session.sync.bad_pixels;
   object.update(quality_json(quality));
   object["reasons"] = quality.reason_counts;
   object["speeds"] = speeds_json(quality);

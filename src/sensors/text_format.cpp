@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 
 #include "text_fields.h"
 #include "text_line.h"
@@ -139,17 +140,28 @@ Rates named_rates(const TextTable& table) {
   return are_rates(any_named);
 }
 
-/// deg/s of one unit, if the words say it of an axis, and nothing else of another; else 0.
+/// deg/s of one unit, if the words say the same of each axis that there is; else 0.
 double scale_of(const TextTable& table, const Rates& rates) {
-  double scale_dps = 0.0;
+  std::optional<double> scale_dps;
   for (const int column : rates) {
     if (column < 0) continue;
-    const Meaning& meaning = table.columns[static_cast<std::size_t>(column)].meaning;
-    if (meaning.unit.empty()) continue;
-    if (meaning.scale_dps == 0.0 || (scale_dps > 0.0 && meaning.scale_dps != scale_dps)) return 0.0;
-    scale_dps = meaning.scale_dps;
+    const double of_axis_dps = table.columns[static_cast<std::size_t>(column)].meaning.scale_dps;
+    if (scale_dps.value_or(of_axis_dps) != of_axis_dps) return 0.0;
+    scale_dps = of_axis_dps;
   }
-  return scale_dps;
+  return scale_dps.value_or(0.0);
+}
+
+/// "gz" of lines that call two columns so; empty: none.
+std::string named_twice(const TextTable& table) {
+  std::array<bool, axes> seen{};
+  for (const TextColumn& column : table.columns) {
+    const Meaning& meaning = column.meaning;
+    if (meaning.quantity != Quantity::rate || !meaning.is_named || !meaning.axis || !column.is_number)
+      continue;
+    if (std::exchange(seen[*meaning.axis], true)) return column.name;
+  }
+  return "";
 }
 
 /// Three columns whose length is that of gravity in a unit, and hardly changes.
@@ -199,6 +211,10 @@ class Recogniser {
           "decode --device gyro -");
     if (const TextTable* named = best_named()) return of_named(*named);
     if (const KnownSketch* sketch = sketch_of_order()) return of_order(*sketch);
+    for (const TextTable& table : page_.tables)
+      if (const std::string name = named_twice(table); is_enough(table) && !name.empty())
+        return refuse(fmt::format("two of its columns are rates about one axis (\"{}\")", name),
+                      "print one of them; or fill in [gyro.text] of the profile: rate = the columns, from 0");
     if (is_of_other_things()) return refuse_other_things();
     return of_numbers(*most_frequent());
   }

@@ -85,6 +85,9 @@ std::vector<TextColumn> columns_of(const Parts& parts, std::string_view& behind_
     reader.number();
     numbers.push_back(columns.size() - 1);
     column.name = bare_name(words_until(digits.data()));
+    if (const std::size_t length = unit_length(column.name);
+        numbers.size() > 1 && length < column.name.size())
+      column.name = bare_name(std::string_view(column.name).substr(length));  // that of the number before
     behind = digits.data() + digits.size();
   }
   behind_last = words_until(parts.words.data() + parts.words.size());
@@ -171,6 +174,23 @@ std::vector<std::optional<std::size_t>> columns_in(const std::vector<std::string
   return holds;
 }
 
+/// Of a header that gives some rates the same unit and others none ("gx [dps],gy,gz") it is that of all.
+void share_unit(TextTable& table) {
+  const TextColumn* with_unit = nullptr;
+  for (const TextColumn& column : table.columns) {
+    if (column.meaning.quantity != Quantity::rate || column.meaning.unit.empty()) continue;
+    if (with_unit != nullptr && with_unit->meaning.scale_dps != column.meaning.scale_dps) return;
+    with_unit = &column;
+  }
+  if (with_unit == nullptr) return;
+  const auto [scale_dps, unit] = std::pair(with_unit->meaning.scale_dps, with_unit->meaning.unit);
+  for (TextColumn& column : table.columns)
+    if (column.meaning.quantity == Quantity::rate && column.meaning.unit.empty()) {
+      column.meaning.scale_dps = scale_dps;
+      column.meaning.unit = unit;
+    }
+}
+
 /// Gives the columns of a table the names of a header, if it has as many cells as the table's lines; a row of
 /// units may stand below it.
 bool take_names(const std::string& text, const std::string* units_below, TextTable& table) {
@@ -195,11 +215,11 @@ bool take_names(const std::string& text, const std::string* units_below, TextTab
       column.name = bare_name(names[i]);
       column.meaning = reader.meanings().front();
       if (!column.meaning.axis_named) column.meaning.axis.reset();
-      if (column.meaning.quantity != Quantity::rate || !column.meaning.unit.empty() || shared_unit.empty())
-        continue;
+      if (column.meaning.quantity != Quantity::rate || shared_unit.empty()) continue;
       column.meaning.unit = shared_unit;
       column.meaning.scale_dps = scale_of_unit(shared_unit);
     }
+    share_unit(table);
     return true;
   }
   return false;

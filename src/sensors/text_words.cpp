@@ -243,17 +243,19 @@ bool is_multiplied(std::string_view behind) {
 /// A number stands right before: "1e-3 rad/s", "0.1 dps"; or counts of the unit are meant: "LSB/dps". The
 /// digits of a name ("MPU6050 dps") are no number.
 bool is_counted(std::string_view before) {
+  const std::size_t with_blanks = before.size();
   before = before.substr(0, before.find_last_not_of(" \t*") + 1);
   if (before.empty()) return false;
   if (before.back() == '/' || lower(before).ends_with(" per")) return true;
   if (!is_digit(before.back())) return false;
+  if (before.size() == with_blanks) return true;  // "gyro500dps"
   const std::size_t begin = before.find_last_not_of("0123456789.eE+-");
   return begin == before.npos || (!is_letter(before[begin]) && before[begin] != '_');
 }
 
 /// A unit behind which the line goes on with "=" or ":" is a name: "ms=5".
 bool is_name_at(std::string_view behind) {
-  const std::size_t at = behind.find_first_not_of(" \t\"'])}");
+  const std::size_t at = behind.find_first_not_of(" \t\"'");
   return at != behind.npos && (behind[at] == ':' || behind[at] == '=');
 }
 
@@ -303,7 +305,8 @@ double scale_of_unit(std::string_view text) {
 
 void WordReader::words(std::string_view text) {
   gap_ = {};
-  gap_.opens = !text.empty() && (text.back() == '(' || text.back() == '[');
+  const std::size_t bracket = text.find_last_of("([)]");  // "(in 0.1 dps)"
+  gap_.opens = bracket != text.npos && (text[bracket] == '(' || text[bracket] == '[');
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at];
     const bool is_sign = static_cast<unsigned char>(c) >= 0x80;
@@ -312,6 +315,7 @@ void WordReader::words(std::string_view text) {
       if (c == '{' || c == '[' || c == '(') ++brackets_;
       if ((c == '}' || c == ']' || c == ')') && brackets_ > 0) {
         --brackets_;
+        gap_.closes = true;
         if (modified_in_ && brackets_ < *modified_in_) modified_in_.reset();
       }
       ++at;
@@ -335,7 +339,8 @@ std::size_t WordReader::take_unit(std::string_view text, std::size_t at) {
   const bool is_sign = static_cast<unsigned char>(text[at]) >= 0x80;
   if (!is_sign && !is_word_begin(text, at)) return 0;
   const std::string_view rest = text.substr(at);
-  if (const Unit found = rate_unit(rest); found.length > 0) {
+  const Unit found = rate_unit(rest);
+  if (found.length > 0 && !(is_tail() && is_name_at(rest.substr(found.length)))) {
     const bool has_factor = is_counted(text.substr(0, at)) || is_multiplied(rest.substr(found.length));
     const std::size_t closing = rest.find_first_not_of(" \t", found.length);
     gap_.closes_factor = is_tail() && closing != rest.npos && (rest[closing] == ')' || rest[closing] == ']');
@@ -359,6 +364,8 @@ void WordReader::word(const Word& at) {
   if (std::find(fillers.begin(), fillers.end(), word) != fillers.end()) return;
   if (word == "vector" && gap_.is_named && gap_.quantity == Quantity::rate)
     return name(Quantity::quaternion, std::nullopt);  // "rotation vector"
+  if (word == "x" && has_digit && end + 1 < text.size() && is_digit(text[end + 1]))
+    return unit(0.0, "a multiple");  // "x10", which is no axis
   if (word.size() == 1 && axis_of(word[0])) return gap_.axes.push_back(*axis_of(word[0]));
   if (word.size() == 3 && axis_of(word[0]) && axis_of(word[1]) && axis_of(word[2])) {  // "xyz", "zyx"
     for (const char letter : word) gap_.axes.push_back(*axis_of(letter));
@@ -417,8 +424,11 @@ void WordReader::begin_group(Quantity quantity) {
   axes_.clear();
 }
 
-/// A word that nobody knows before several numbers is the line's name, not theirs.
+/// A word that nobody knows before several numbers is the line's name, not theirs. Of more than three numbers
+/// without names nobody knows which are x, y, z.
 void WordReader::end_group() {
+  if (quantity_ == Quantity::rate && !axes_named_ && meanings_.size() > group_ + 3)
+    for (std::size_t i = group_; i < meanings_.size(); ++i) meanings_[i].axis.reset();
   if (quantity_ != Quantity::other || is_named_ || is_modified_ || axes_named_) return;
   if (meanings_.size() < group_ + 2) return;
   for (std::size_t i = group_; i < meanings_.size(); ++i)
@@ -447,8 +457,11 @@ void WordReader::unit(double scale_dps, std::string_view text) {
 
 void WordReader::unit_behind(double scale_dps, std::string_view text) {
   const bool says_rate = scale_dps > 0.0 && !is_modified_;
+  const bool is_of_last_alone = was_opened_ && !gap_.closes;  // "gz: 3 (500 dps)"
+  gap_.has_unit_behind = true;
   const bool is_list = meanings_.size() == group_ + 3 || axes_named_ || is_named_;
-  for (std::size_t i = group_; i < meanings_.size(); ++i) {  // "0.01, -0.02, 0.35 rad/s"
+  for (std::size_t i = is_of_last_alone ? meanings_.size() - 1 : group_; i < meanings_.size();
+       ++i) {  // "0.01, -0.02, 0.35 rad/s"
     Meaning& meaning = meanings_[i];
     const bool becomes_rate =
         says_rate && may_be_rate(meaning.quantity) && (is_list || meanings_.size() == group_ + 1);
@@ -464,6 +477,8 @@ void WordReader::number() {
   if (is_of_other || (!gap_.is_named && gap_.is_unknown)) {
     begin_group(Quantity::other);
     is_modified_ = is_of_other;
+  } else if (gap_.has_unit_behind && is_tail() && !axes_named_ && meanings_.size() >= group_ + 3) {
+    begin_group(Quantity::none);  // the list ended with its unit
   } else if (gap_.is_named) {
     if (gap_.quantity != quantity_ || !is_named_) begin_group(gap_.quantity);
     is_named_ = true;

@@ -76,6 +76,8 @@ class WordReader {
     bool is_modified = false;            // "max", "target": not what is measured
     bool is_first_word = true;           //
     bool is_joined = false;              // the word before belongs to the same name: "accAngleX"
+    bool closes = false;                 // a bracket
+    bool has_unit_behind = false;        // of the numbers before
     bool closes_factor = false;          // of "(0.1 dps)"
     bool roll_is_rate = false;           // "gyro roll=1 pitch=2 yaw=3"
     bool opens = false;                  // a bracket right before the number

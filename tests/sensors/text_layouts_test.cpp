@@ -420,6 +420,21 @@ const std::vector<Layout> layouts{
                           v.g(2));
      },
      0.1, "", false, true},
+    {"a factor within words",
+     [](const Values& v) {
+       return fmt::format("gyro (in 0.1 deg/s): {:.0f},{:.0f},{:.0f}", v.g(0), v.g(1), v.g(2));
+     },
+     0.1, "", false, true},
+    {"a unit that is another number's name",
+     [](const Values& v) {
+       return fmt::format("gx: {:.4f} gy: {:.4f} gz: {:.4f} rpm: 3", v.g(0), v.g(1), v.g(2));
+     },
+     rad_s, "", false, true},
+    {"ten times",
+     [](const Values& v) {
+       return fmt::format("gyro x10 dps: {:.0f} {:.0f} {:.0f}", v.g(0), v.g(1), v.g(2));
+     },
+     0.1, "", false, true},
     {"a factor behind the unit",
      [](const Values& v) {
        return fmt::format("gyro (deg/s*10): {:.0f} {:.0f} {:.0f}", v.g(0), v.g(1), v.g(2));
@@ -481,12 +496,21 @@ const std::vector<Layout> layouts{
      [](const Values& v) {
        return fmt::format("gyro(deg/s) roll={:.2f} pitch={:.2f} yaw={:.2f}", v.g(0), v.g(1), v.g(2));
      }},
-    {"two gyros",
+    {"a range in brackets behind the counts",
      [](const Values& v) {
-       return fmt::format("imu1 gx:{0:.2f} gy:{1:.2f} gz:{2:.2f} imu2 gx:{0:.2f} gy:{1:.2f} gz:{2:.2f} dps",
-                          v.g(0), v.g(1), v.g(2));
+       return fmt::format("GyX:{:.0f} GyY:{:.0f} GyZ:{:.0f} (500 dps full scale)", v.g(0), v.g(1), v.g(2));
      },
-     1.0, "", true, true},
+     1.0 / 65.5, "", false, true},
+    {"a range at the name",
+     [](const Values& v) { return fmt::format("gyro500dps {:.0f} {:.0f} {:.0f}", v.g(0), v.g(1), v.g(2)); },
+     1.0 / 65.5, "", false, true},
+    {"a range among the numbers",
+     [](const Values& v) { return fmt::format("Gyro 500dps {:.0f} {:.0f} {:.0f}", v.g(0), v.g(1), v.g(2)); },
+     1.0 / 65.5, "", true, true},
+    {"a range behind the unit",
+     [](const Values& v) {
+       return fmt::format("L3GD20 gyro {:.2f} {:.2f} {:.2f} dps (250)", v.g(0), v.g(1), v.g(2));
+     }},
     {"units that are not the same on each axis",
      [](const Values& v) {
        return fmt::format("gx:{:.4f} rad/s gy:{:.4f} rad/s gz:{:.4f} deg/s", v.g(0), v.g(1), v.g(2));
@@ -616,6 +640,8 @@ TEST(TextLayouts, WhoseNumbersWouldBeReadWrongAreRefusedWithTheCause) {
                 "0.{0} gy=0.10 gz=0.20 dps",
                 "U+2212"},
         Refused{"gx=0x{0} gy=0xFF1A gz=0x0010", "hexadecimal"},
+        Refused{"imu1 gx:0.{0} gy:0.1 gz:0.2 imu2 gx:0.{0} gy:0.2 gz:0.3 dps", "about one axis"},
+        Refused{"gz(rad/s)=0.{0} gz(deg/s)=5.{0}", "about one axis"},
         Refused{"gx={0} gy=1,362 gz=5 mdps", "commas"}, Refused{"gx:{0} gy:65530 gz:3", "lost their sign"}}) {
     std::string text;
     for (int i = 10; i < 30; ++i) text += fmt::format(fmt::runtime(refused.line), i) + "\n";

@@ -159,8 +159,11 @@ std::string scale_line(const GyroProfile& profile, double factor) {
   if (const double raw_dps = profile.setting("raw_scale_dps"); raw_dps > 0.0)
     return fmt::format("set raw_scale_dps = {:.4g} in [gyro.{}] of the profile", raw_dps / factor,
                        profile.protocol);
-  return fmt::format("set the device to the range and unit of its protocol: it shows {} of the true rate",
-                     share_text(factor));
+  return fmt::format(
+      "set the device to the range and unit of its protocol, of which it shows {}, or scale = {:.4g} in "
+      "[gyro] "
+      "of the profile",
+      share_text(factor), profile.scale * factor);
 }
 
 /// `share`: of the gyro; `expected`: what it should be; `tolerance`: relative, of their ratio.
@@ -190,8 +193,13 @@ Cause gyro_cause(const Axes& axes, double share, double expected, double toleran
             scale_line(profile, unit->factor) + sign};
   }
   if (const double lean_deg = lean_of(axes, axis); lean_deg > most_lean_deg)
-    return {fmt::format("its axis leans by {:.0f} deg against the shaft's", lean_deg),
-            "mount the gyro upright, or thermorig calibrate scale"};
+    return {fmt::format("its axis leans by {:.0f} deg against the shaft's{}", lean_deg,
+                        turned.empty() ? "" : ", and " + turned),
+            turned.empty()
+                ? "mount the gyro upright, or thermorig calibrate scale"
+                : fmt::format("mount the gyro upright, or set sign = {} in [gyro] of the profile and "
+                              "thermorig calibrate scale",
+                              -profile.sign)};
   return {"its scale or its range is not as the profile says", "thermorig calibrate scale"};
 }
 
@@ -254,9 +262,11 @@ Witness outlier_of(const std::optional<Estimate>& gyro, const std::optional<Esti
     return share && contradict_by(*share, command, scale * std::hypot(of_it, stated.servo));
   };
   const bool gyro_off = against(gyro, stated.gyro), images_off = against(images, stated.lens);
-  if (!gyro_off && !images_off) return Witness::none;
+  const double stated_apart = std::hypot(stated.gyro, stated.lens);
+  const bool apart = gyro && images && contradict_by(*gyro, *images, scale * stated_apart);
+  if (!gyro_off && !images_off)  // a command that nobody trusts to that cannot tell who is right
+    return apart && stated.servo > stated_apart ? Witness::undecided : Witness::none;
   if (!gyro || !images) return Witness::undecided;
-  const bool apart = contradict_by(*gyro, *images, scale * std::hypot(stated.gyro, stated.lens));
   if (!gyro_off) return apart ? Witness::images : Witness::none;
   if (apart) return images_off ? Witness::undecided : Witness::gyro;
   return images_off ? Witness::command : Witness::undecided;  // the images agree with either of the two
@@ -285,7 +295,8 @@ Cause cause_of(Witness outlier, const Witnesses& witnesses, const Axes& axes, do
   return cause;
 }
 
-std::string contradiction(Witness outlier, const Witnesses& witnesses) {
+/// `expected`: the share that the profile's servo would show.
+std::string contradiction(Witness outlier, const Witnesses& witnesses, double expected) {
   const auto& [gyro, images] = std::tie(witnesses.gyro_share, witnesses.images_share);
   if (outlier == Witness::command)
     return fmt::format("the shaft turns at {} of the commanded speed, gyro and images agree",
@@ -294,7 +305,10 @@ std::string contradiction(Witness outlier, const Witnesses& witnesses) {
     return fmt::format("images and command contradict: the images turn at {} of the commanded speed{}",
                        share_text(images->value),
                        gyro ? fmt::format(", the gyro at {}", share_text(gyro->value)) : "");
-  return fmt::format("gyro and command contradict: the gyro shows {} of the commanded speed{}",
+  const bool is_nearer_to_command =
+      images && std::abs(gyro->value - images->value) > std::abs(gyro->value - expected);
+  return fmt::format("gyro and {} contradict: the gyro shows {} of the commanded speed{}",
+                     is_nearer_to_command && outlier == Witness::undecided ? "images" : "command",
                      share_text(gyro->value), images_text(witnesses));
 }
 
@@ -309,7 +323,8 @@ void judge(Witnesses& witnesses, const Axes& axes, const Stated& stated, const R
   if (outlier != Witness::none) {
     const double tolerance = contradiction_deviations * std::hypot(stated.servo, stated.gyro);
     const Cause cause = cause_of(outlier, witnesses, axes, tolerance, profile);
-    witnesses.cause = fmt::format("{}; likely cause: {}", contradiction(outlier, witnesses), cause.why);
+    witnesses.cause = fmt::format("{}; likely cause: {}",
+                                  contradiction(outlier, witnesses, profile.servo.scale), cause.why);
     witnesses.remedy = cause.remedy;
   } else if (const double lean_deg = lean_of(axes, axis);
              witnesses.gyro_share && axes.is_known && lean_deg > most_lean_deg) {
