@@ -119,6 +119,12 @@ INSTANTIATE_TEST_SUITE_P(
             "x_axis", {-1, 0, 0.01}, as_commanded, Witness::gyro, "x axis", "axis = \"x\" and sign = -1"},
         Compared{"dead", {0, 0, 0}, as_commanded, Witness::gyro, "no sensor", "wiring"},
         Compared{"leans", {0.71, 0, 0.71}, as_commanded, Witness::gyro, "leans by 45 deg", "mount"},
+        Compared{"leans_reversed",
+                 {0.71, 0, -0.71},
+                 as_commanded,
+                 Witness::gyro,
+                 "the other way round",
+                 "sign = -1"},
         Compared{"odd_scale", {0, 0, 0.72}, as_commanded, Witness::gyro, "scale", "calibrate scale"},
         Compared{"rad_blind",
                  {0, 0, 1 / radian},
@@ -155,6 +161,21 @@ TEST(Witnesses, ThatAgreeWithinWhatTheProfileStatesHaveNoOutlier) {
       EXPECT_EQ(witnesses.cause, "");
       EXPECT_NEAR(witnesses.gyro_share->value, gyro, 0.01);
     }
+}
+
+TEST(Witnesses, GyroAndImagesContradictWhereTheCommandCannotTell) {
+  Rig rig{.gyro_axes = {0, 0, 0.8}, .images = Estimate{1.0, 0.01}};
+  rig.profile.servo.scale_uncertainty = 0.16;
+  EXPECT_EQ(rig.compared().outlier, Witness::undecided);
+  EXPECT_THAT(rig.compared().cause, HasSubstr("gyro and images contradict"));
+  rig.images = Estimate{0.82, 0.01};
+  EXPECT_EQ(rig.compared().outlier, Witness::none);
+}
+
+TEST(Witnesses, OfAProtocolThatFixesTheUnitTheProfilesScaleIsOffered) {
+  Rig rig{.gyro_axes = {0, 0, 0.5}};
+  rig.profile.gyro.protocol = "witmotion";
+  EXPECT_THAT(rig.compared().remedy, HasSubstr("or scale = 0.5 in [gyro]"));
 }
 
 TEST(Witnesses, OfOneDirectionAloneAreComparedOnceARestHasShownTheBias) {
