@@ -254,9 +254,10 @@ void add_decode(CLI::App& root, Words& words) {
       ->check(not_negative())
       ->type_name("N");
   command.add_flag("--all", decode.all, "Print every message");
-  command.add_option("--camera-protocol", decode.camera_protocol, "What the camera speaks")
-      ->check(one_of(sensors::camera_protocol_names()))
-      ->capture_default_str();
+  command
+      .add_option("--camera-protocol", decode.camera_protocol,
+                  "What the camera speaks (default: what is recognised)")
+      ->check(one_of(sensors::camera_protocol_names()));
   command.add_option("--camera-checksum", decode.camera_checksum, "How the camera's check sum is formed")
       ->check(CLI::IsMember({"word", "byte", "ignore"}))
       ->capture_default_str();

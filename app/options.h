@@ -167,10 +167,9 @@ struct ReprocessOptions {
 
 struct DecodeOptions {
   Device device = Device::camera;
-  std::string file;  // "-": standard input
-  std::string camera_protocol = CameraProfile().protocol;
-  std::string gyro_protocol;               // empty: what is recognised
-  std::vector<std::string> gyro_settings;  // NAME=NUMBER
+  std::string file;                            // "-": standard input
+  std::string camera_protocol, gyro_protocol;  // empty: what is recognised
+  std::vector<std::string> gyro_settings;      // NAME=NUMBER
   std::vector<int> columns{0, 1, 2};
   std::string prefix;
   double scale_dps = 1.0;

@@ -103,7 +103,8 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
                                            const SimulatedParts& parts) {
   simulation::VirtualRigConfig config = simulation::default_rig(seed, environment);
   config.profile.servo = simulated_servo(parts.servo.value_or("winch"), config.profile.servo);
-  config.half_fresh = parts.camera.value_or("half") != "full";
+  config.half_fresh = parts.camera != "full" && parts.camera != "text";
+  if (parts.camera == "text") config.profile.camera.protocol = "text";
   if (parts.camera == "query") config.camera_start = simulation::CameraStart::when_asked;
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));

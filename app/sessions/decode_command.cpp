@@ -24,6 +24,7 @@
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/camera_protocol.h"
+#include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"
 
@@ -172,8 +173,7 @@ std::string remark_on_zeros(const AutoZero& zeros) {
 constexpr std::size_t head_bytes = 1 << 16;
 
 /// The first bytes of a dump: as many as tell what it is, and no more, for a pipe may go on slowly.
-std::vector<std::uint8_t> read_head(ByteSource& source) {
-  constexpr std::size_t telling_bytes = 1 << 13;
+std::vector<std::uint8_t> read_head(ByteSource& source, std::size_t telling_bytes) {
   std::vector<std::uint8_t> head;
   while (head.size() < telling_bytes) {
     const auto block = source.next();
@@ -243,14 +243,23 @@ bool names_columns(const DecodeOptions& options) {
          options.scale_dps != usual.scale_dps || options.time_column != usual.time_column;
 }
 
-/// How a gyro is read that no option names.
+constexpr std::size_t telling_of_gyro = 1 << 13, telling_of_camera = 1 << 15;  // two images as text
+
+/// How a camera or a gyro is read that no option names.
 DecodeOptions completed(DecodeOptions options, ByteSource& source, Learnt& learnt) {
+  if (options.device == Device::camera && options.camera_protocol.empty()) {
+    learnt.head = read_head(source, telling_of_camera);
+    options.camera_protocol = CameraProfile().protocol;
+    for (const sensors::Recognised& found : sensors::recognise(learnt.head, 0.0))
+      if (found.role == Device::camera && found.is_usable()) options.camera_protocol = found.protocol;
+    return options;
+  }
   if (options.device != Device::gyro || !options.gyro_protocol.empty()) return options;
   if (names_columns(options)) {
     options.gyro_protocol = "text";
     return options;
   }
-  learnt.head = read_head(source);
+  learnt.head = read_head(source, telling_of_gyro);
   learnt.recognition = recognise_gyro(learnt.head);
   options.gyro_protocol = learnt.recognition.gyro_protocol;
   return options;

@@ -8,9 +8,10 @@ namespace thermorig::sensors {
 
 // Each in the file of its name.
 CameraProtocol gy_mcu90640_camera();
+CameraProtocol text_camera();
 
 std::span<const CameraProtocol> camera_protocols() {
-  static const std::array table{gy_mcu90640_camera()};
+  static const std::array table{gy_mcu90640_camera(), text_camera()};
   return table;
 }
 

@@ -70,10 +70,10 @@ std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double he
                        std::optional<Evidence> evidence) {
     if (evidence) found.push_back({role, protocol, *std::move(evidence)});
   };
-  add(std::nullopt, "", recognise_foreign(bytes));
-  const bool is_foreign = !found.empty();
   for (const CameraProtocol& camera : camera_protocols())
     add(Device::camera, camera.name, camera.recognise(bytes));
+  if (found.empty()) add(std::nullopt, "", recognise_foreign(bytes));
+  const bool is_foreign = !found.empty();
   add(Device::servo, servo_protocol().name, servo_protocol().recognise(bytes));
   for (const GyroProtocol& gyro : gyro_protocols())
     if (!gyro.has_columns || !is_foreign) add(Device::gyro, gyro.name, gyro.recognise(bytes, heard_s));

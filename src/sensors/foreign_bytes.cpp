@@ -97,16 +97,17 @@ std::optional<Evidence> hex_text(Bytes bytes) {
                                  2 * with_offset > of_hex ? "" : "-p "));
 }
 
-/// Whether a table of numbers has so many columns that it is a picture; whatever stands in front of it.
+/// A table of numbers with so many columns that it is a picture, but none that is read as temperatures.
 std::optional<Evidence> image_text(Bytes bytes) {
   std::size_t lines = 0, rows = 0, columns = 0;
-  bool holds_words = false;
+  bool holds_words = false, has_decimals = false;
   for_each_line(bytes, [&](const RawLine& line) {
     if (is_blank(line.text) || !is_text(line.text)) return;
     std::size_t fields = 0, numbers = 0;
     for (const TextField& field : split_fields(line.text)) {
       ++fields;
       numbers += read_number(field.value) ? 1U : 0U;
+      has_decimals |= field.value.find('.') != field.value.npos;
     }
     ++lines;
     holds_words |= numbers == 0 && fields >= image_line_fields;  // a header
@@ -117,10 +118,14 @@ std::optional<Evidence> image_text(Bytes bytes) {
   constexpr std::size_t convincing_columns = 192;  // an MLX90641's frame: one line is enough
   const bool is_table = rows >= 2 && 2 * rows >= lines;
   if ((!is_table && columns < convincing_columns) || holds_words) return std::nullopt;
+  if (!has_decimals)
+    return evidence_of(
+        bytes, fmt::format("a picture without temperatures as text ({} whole numbers a line)", columns),
+        "turn on the temperatures in the camera's sketch (Adafruit: PRINT_TEMPERATURES), with "
+        "two decimals");
   return evidence_of(
-      bytes,
-      fmt::format("an image as text, {} numbers a line, as a thermal camera's sketch prints it", columns),
-      "a camera that sends frames of a GY-MCU90640 board, in bytes (protocols/gy_mcu90640.md)");
+      bytes, fmt::format("a picture as text, {} numbers a line: not the 768 of an MLX90640", columns),
+      "print all 768 temperatures in one line, or in 24 lines of 32 (protocols/text_camera.md)");
 }
 
 /// How many frames stand in a row that begin with `mark`, `size` bytes apart, at best.

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
 #include <array>
+#include <string>
 
 #include "camera.h"
 #include "encoder_table.h"
@@ -10,6 +13,17 @@ namespace {
 
 std::vector<std::uint8_t> gy_mcu90640_bytes(const SimulatedFrame& frame, const CameraProfile&) {
   return wire::camera_frame(frame.frame);
+}
+
+/// As Adafruit's example prints it, with its temperatures on: a line of marks, the sensor's own temperature,
+/// 24 lines of 32 with a comma behind each.
+std::vector<std::uint8_t> text_bytes(const SimulatedFrame& frame, const CameraProfile&) {
+  std::string text =
+      fmt::format("{:=<35}\r\nAmbient temperature = {:.2f} degC\r\n\r\n\r\n", "", frame.frame.sensor_temp_c);
+  for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel)
+    text += fmt::format("{:.1f}, {}", frame.frame.temp_c[pixel],
+                        pixel % frame_columns == frame_columns - 1 ? "\r\n" : "");
+  return {text.begin(), text.end()};
 }
 
 /// Rate, one frame, automatic output: the manual's table. What else it may be told is not heard.
@@ -27,7 +41,8 @@ Heard gy_mcu90640_hear(std::span<const std::uint8_t> bytes, const CameraProfile&
   return heard;
 }
 
-constexpr std::array all_camera_encoders{CameraEncoder{"gy-mcu90640", gy_mcu90640_bytes, gy_mcu90640_hear}};
+constexpr std::array all_camera_encoders{CameraEncoder{"gy-mcu90640", gy_mcu90640_bytes, gy_mcu90640_hear},
+                                         CameraEncoder{"text", text_bytes, nullptr}};
 
 }  // namespace
 

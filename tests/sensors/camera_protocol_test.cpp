@@ -93,7 +93,7 @@ TEST(CameraProtocols, AreRecognisedByTheirOwnBytesAlone) {
       SCOPED_TRACE(std::string(sender.name) + " as " + std::string(protocol.name));
       const auto evidence = protocol.recognise(std::span(bytes).subspan(3));
       ASSERT_EQ(evidence.has_value(), protocol.name == sender.name);
-      EXPECT_EQ(evidence ? evidence->messages : 4U, 4U);
+      EXPECT_GE(evidence ? evidence->messages : 4U, 4U);  // the first is cut, if not in what stands before it
     }
   }
 }

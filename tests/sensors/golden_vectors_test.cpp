@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The gyros' golden vectors: protocols/vectors/{witmotion,text_gyro,mavlink_gyro,mavlink_request}.txt.
+// Golden vectors of protocols/vectors: text_camera.txt, and those of the gyros.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "support/gyro_scanners.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/device_stream.h"
 #include "wire/scan.h"
 #include "wire/vector_fields.h"
@@ -27,6 +29,30 @@ void expect_reading(const GyroReading& reading, const Fields& fields) {
   EXPECT_EQ(reading.device_time_us.has_value(), fields.contains("time_us"));
   if (fields.contains("time_us")) {
     EXPECT_EQ(reading.device_time_us, std::stoll(fields.at("time_us")));
+  }
+}
+
+TEST(GoldenVectors, ImagesAsTextAreReadAsDescribed) {
+  CameraProfile profile;
+  profile.protocol = "text";
+  for (const GoldenVector& vector : read_vectors("text_camera.txt")) {
+    SCOPED_TRACE(vector.name);
+    const Fields fields = fields_in(vector);
+    const auto scan =
+        scan_any_chunking<wire::CameraMessage>(sensors::camera_scanner(profile), vector.bytes, Stream::ends);
+    expect_counters(scan.counters, fields, "frames");
+    ASSERT_EQ(scan.messages.size(), count_in(fields, "frames"));
+    if (scan.messages.empty()) continue;
+    const ThermalFrame& frame = scan.messages.back().frame;
+    EXPECT_EQ(std::isfinite(frame.sensor_temp_c), fields.contains("ta_cdeg"));
+    if (fields.contains("ta_cdeg")) {
+      EXPECT_NEAR(frame.sensor_temp_c, std::stof(fields.at("ta_cdeg")) / 100.0F, 1e-4);
+    }
+    const std::string pixel = "temp_cdeg_";
+    for (const auto& [name, value] : fields)
+      if (name.starts_with(pixel)) {
+        EXPECT_NEAR(frame.temp_c.at(std::stoul(name.substr(pixel.size()))), std::stof(value) / 100.0F, 1e-4);
+      }
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
+
 #include "thermorig/sensors/wire/camera_scanner.h"
 #include "thermorig/sensors/wire/gyro_message.h"
 #include "thermorig/sensors/wire/servo_messages.h"
@@ -9,8 +11,13 @@ namespace thermorig::test {
 
 // Whether two messages are equal in everything that a scanner says about them.
 
+/// A temperature that the camera does not say is not a number.
+inline bool same_or_unknown(float a, float b) {
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
+
 inline bool same(const wire::CameraMessage& a, const wire::CameraMessage& b) {
-  return a.frame.temp_c == b.frame.temp_c && a.frame.sensor_temp_c == b.frame.sensor_temp_c &&
+  return a.frame.temp_c == b.frame.temp_c && same_or_unknown(a.frame.sensor_temp_c, b.frame.sensor_temp_c) &&
          a.fresh.even == b.fresh.even && a.fresh.odd == b.fresh.odd && a.span == b.span &&
          a.resync_before == b.resync_before;
 }

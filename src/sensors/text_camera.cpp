@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: MIT
+// Cameras whose sketch prints temperatures. Source: protocols/text_camera.md.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "text_fields.h"
+#include "text_words.h"
+#include "thermorig/core/freshness.h"
+#include "thermorig/sensors/camera_protocol.h"
+#include "thermorig/sensors/wire/byte_ledger.h"
+
+namespace thermorig::sensors {
+
+namespace {
+
+using wire::CameraMessage;
+
+constexpr float coldest_c = -100.0F, hottest_c = 500.0F;  // nothing that an MLX90640 sends lies beyond
+constexpr float unknown_c = std::numeric_limits<float>::quiet_NaN();
+constexpr std::size_t token_bytes_max = 32;                // a double printed in full has 24
+constexpr std::size_t line_bytes_max = frame_pixels * 26;  // a number in full and what separates it
+constexpr std::size_t usual_frame_bytes = frame_pixels * 7 + frame_rows * 2;  // "-23.4, ", a row a line
+constexpr std::array<UsualBaud, 3> text_camera_bauds{{{115200, 0.6}, {460800, 0.3}, {921600, 0.3}}};
+
+/// One line, token by token.
+class Line {
+ public:
+  void take(char c) {
+    ++bytes_;
+    const bool is_of_token = is_letter(c) || is_digit(c) || c == '.' || c == '-' || c == '+';
+    if (is_of_token && token_.size() <= token_bytes_max) token_ += c;
+    if (is_of_token) return;
+    end_token();
+    if (c == '[') value_of_word_.reset(), behind_word_ = false;  // "temperature":[ holds pixels
+    has_marks_ |= c == '=' || c == '#' || c == '*';
+    is_broken_ |= static_cast<unsigned char>(c) < ' ' && c != '\t' && c != '\r' && c != '\n';
+  }
+  void end() {
+    end_token();
+    take_value_of_word();
+  }
+
+  std::size_t bytes() const { return bytes_; }
+  std::size_t numbers() const { return numbers_; }
+  bool is_temperatures() const { return !is_broken_ && has_decimals_; }
+  std::span<const float> values() const {
+    return std::span(values_).first(std::min(numbers_, values_.size()));
+  }
+  float sensor_temp_c() const { return sensor_temp_c_; }  // NaN: the line does not say it
+
+ private:
+  void end_token() {
+    if (token_.empty()) return;
+    const std::string token = std::exchange(token_, {});
+    if (token.find_first_not_of('-') == token.npos) {
+      has_marks_ = true;
+    } else if (const auto number = token.size() <= token_bytes_max ? read_number(token) : std::nullopt;
+               number && digits_of(token).size() + (token[0] == '+' ? 1U : 0U) == token.size()) {
+      take_number(*number, token.find('.') != token.npos);
+    } else {
+      take_word(token);
+    }
+  }
+
+  /// What Arduino prints for a number that is none stands in a pixel's place.
+  void take_word(std::string token) {
+    std::transform(token.begin(), token.end(), token.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    if (token == "ovf" || token == "null" || token == "none") return take_number(std::nan(""), true);
+    take_value_of_word();
+    is_ambient_ =
+        token == "at" || token == "ta" || token == "ambient" || (is_ambient_ && token == "temperature");
+    behind_word_ = true;
+  }
+
+  /// "Ambient temperature = 27.4" is no pixel; "frame: 23.1, 23.2, ..." begins with one.
+  void take_number(double number, bool is_decimal) {
+    if (std::exchange(behind_word_, false)) {
+      value_of_word_ = number;
+      value_is_decimal_ = is_decimal;
+      return;
+    }
+    if (const auto first = std::exchange(value_of_word_, std::nullopt)) push(*first, value_is_decimal_);
+    push(number, is_decimal);
+  }
+  void push(double number, bool is_decimal) {
+    const auto temp_c = static_cast<float>(number);
+    is_broken_ |= !(temp_c >= coldest_c && temp_c <= hottest_c);
+    has_decimals_ |= is_decimal;
+    if (numbers_ < values_.size()) values_[numbers_] = temp_c;
+    ++numbers_;
+  }
+  void take_value_of_word() {
+    if (const auto value = std::exchange(value_of_word_, std::nullopt); value && is_ambient_)
+      sensor_temp_c_ = static_cast<float>(*value);
+  }
+
+  std::size_t bytes_ = 0;
+  std::string token_;
+  std::array<float, frame_pixels> values_{};
+  std::size_t numbers_ = 0;
+  bool has_decimals_ = false;
+  bool is_broken_ = false;  // a value that is no temperature
+  bool has_marks_ = false;
+  bool behind_word_ = false, is_ambient_ = false, value_is_decimal_ = false;
+  std::optional<double> value_of_word_;
+  float sensor_temp_c_ = unknown_c;
+};
+
+/// Reads frames of 768 temperatures as text: in one line, in 24 lines of 32, or a pixel a line with its row
+/// and column. Any chunking gives the same frames.
+///
+/// Text has no check sum. A frame begins behind a line without pixels (words, marks, an empty one) or behind
+/// another frame, and what has not exactly 768 numbers in such lines is damaged as a whole: no number ever
+/// moves to another pixel.
+class TextCameraScanner {
+ public:
+  void push(std::span<const std::uint8_t> bytes, std::vector<CameraMessage>& out) {
+    ledger_.receive(bytes.size());
+    for (const std::uint8_t byte : bytes) {
+      const char c = static_cast<char>(byte);
+      if (std::exchange(behind_return_, c == '\r') && c != '\n') end_line(out);
+      line_.take(c);
+      if (c == '\n') end_line(out);
+      if (line_.bytes() == line_bytes_max) skip_line();
+    }
+  }
+  /// A last line without an end is not read: it may be cut inside a number.
+  void finish(std::vector<CameraMessage>& out) {
+    if (std::exchange(behind_return_, false)) end_line(out);
+  }
+  void restart() {
+    wire::ByteLedger ledger = ledger_;
+    ledger.restart();
+    *this = TextCameraScanner();
+    ledger_ = ledger;
+  }
+  const wire::Counters& counters() const { return ledger_.counters; }
+
+ private:
+  void end_line(std::vector<CameraMessage>& out) {
+    line_.end();
+    const Line line = std::exchange(line_, Line());
+    if (std::exchange(is_overlong_, false)) return lose(line);
+    if (!std::isnan(line.sensor_temp_c())) sensor_temp_c_ = line.sensor_temp_c();
+    if (line.numbers() == frame_pixels) {
+      drop_frame();
+      add(line, line.values());
+    } else if (line.numbers() == 0) {
+      drop_frame();
+      ledger_.book_filler(line.bytes());
+      is_synced_ = true;
+    } else if (const auto first = pixel_of(line, 0)) {
+      drop_frame();
+      add(line, std::span(&*first, 1));
+    } else if (const auto pixel = pixel_of(line, pixels_); pixel && pixels_ > 0) {
+      add(line, std::span(&*pixel, 1));
+    } else if (line.numbers() == frame_columns && is_synced_) {
+      add(line, line.values());
+    } else {
+      lose(line);
+    }
+    if (pixels_ == frame_pixels) complete(out);
+  }
+
+  /// "frame,row,column,temperature" of that pixel.
+  static std::optional<float> pixel_of(const Line& line, std::size_t pixel) {
+    if (line.numbers() != 4) return std::nullopt;
+    const auto values = line.values();
+    const auto row = static_cast<float>(pixel / frame_columns),
+               column = static_cast<float>(pixel % frame_columns);
+    return values[1] == row && values[2] == column ? std::optional(values[3]) : std::nullopt;
+  }
+
+  void add(const Line& line, std::span<const float> values) {
+    if (pixels_ + values.size() > frame_pixels) return lose(line);
+    std::copy(values.begin(), values.end(), temp_c_.begin() + static_cast<std::ptrdiff_t>(pixels_));
+    pixels_ += values.size();
+    bytes_ += line.bytes();
+    is_temperatures_ &= line.is_temperatures();
+  }
+
+  void complete(std::vector<CameraMessage>& out) {
+    is_synced_ = true;
+    if (!is_temperatures_) {
+      ++ledger_.counters.bad_value;
+      book_damage(0);
+    } else {
+      CameraMessage& message = out.emplace_back();
+      message.frame.temp_c = temp_c_;
+      message.frame.sensor_temp_c = std::exchange(sensor_temp_c_, unknown_c);
+      message.fresh = freshness_.push(temp_c_);
+      message.resync_before = ledger_.take_gap();
+      message.span = ledger_.book_message(bytes_);
+      ++ledger_.counters.messages;
+    }
+    begin_frame();
+  }
+
+  /// Nothing prints so long a line: it is passed over to its end.
+  void skip_line() {
+    lose(line_);
+    line_ = Line();
+    is_overlong_ = true;
+  }
+
+  /// A frame of which lines are missing.
+  void drop_frame() {
+    if (pixels_ == 0) return;
+    ++ledger_.counters.bad_length;
+    book_damage(0);
+    begin_frame();
+  }
+
+  /// A line that is no part of a frame; the frame that it stands in is lost. Before the first break it may be
+  /// the tail of one.
+  void lose(const Line& line) {
+    if (pixels_ > 0 || is_synced_) {
+      ++ledger_.counters.bad_length;
+      book_damage(line.bytes());
+    } else {
+      ledger_.book_filler(line.bytes());
+    }
+    begin_frame();
+    is_synced_ = false;
+  }
+
+  void book_damage(std::size_t more) {
+    ledger_.mark_damage(bytes_ + more);
+    ledger_.book_gap(bytes_ + more);
+  }
+
+  void begin_frame() {
+    pixels_ = bytes_ = 0;
+    is_temperatures_ = true;
+  }
+
+  wire::ByteLedger ledger_;
+  FreshnessDetector<float> freshness_;
+  Line line_;
+  bool is_overlong_ = false;  // the line that is being read
+  bool behind_return_ = false;
+  bool is_synced_ = false;  // the next line may begin a frame, or goes on with one
+  std::array<float, frame_pixels> temp_c_{};
+  std::size_t pixels_ = 0;
+  std::size_t bytes_ = 0;  // of the lines that hold them
+  bool is_temperatures_ = true;
+  float sensor_temp_c_ = unknown_c;
+};
+
+CameraScanner text_camera_scanner(const CameraProfile&) {
+  return CameraScanner(TextCameraScanner());
+}
+
+std::optional<Evidence> recognise_text_camera(std::span<const std::uint8_t> bytes) {
+  TextCameraScanner scanner;
+  std::vector<CameraMessage> messages;
+  scanner.push(bytes, messages);
+  scanner.finish(messages);
+  if (messages.empty()) return std::nullopt;
+  return Evidence{.messages = messages.size(),
+                  .bytes = scanner.counters().bytes_in_messages,
+                  .text = fmt::format("{} image(s) of 768 temperatures as text", messages.size()),
+                  .text_format = {}};
+}
+
+}  // namespace
+
+CameraProtocol text_camera() {
+  return {.name = "text",
+          .sends = "images of 768 temperatures as text",
+          .bauds = text_camera_bauds,
+          .clock = {},
+          .message_bytes = usual_frame_bytes,
+          .scanner = text_camera_scanner,
+          .recognise = recognise_text_camera};
+}
+
+}  // namespace thermorig::sensors
