@@ -85,8 +85,8 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
       .add_option(
           "--simulated-camera", parts.camera,
           "Fresh chess halves in a simulated frame: half (default), full; query: half, and it waits to be "
-          "asked for frames; text: full, printed as text")
-      ->check(CLI::IsMember({"half", "full", "query", "text"}))
+          "asked for frames; text, binary: full, as a sketch sends them")
+      ->check(CLI::IsMember({"half", "full", "query", "text", "binary"}))
       ->type_name("KIND");
   command
       .add_option("--simulated-gyro", parts.gyro,

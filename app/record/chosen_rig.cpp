@@ -103,9 +103,11 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
                                            const SimulatedParts& parts) {
   simulation::VirtualRigConfig config = simulation::default_rig(seed, environment);
   config.profile.servo = simulated_servo(parts.servo.value_or("winch"), config.profile.servo);
-  config.half_fresh = parts.camera != "full" && parts.camera != "text";
-  if (parts.camera == "text") config.profile.camera.protocol = "text";
-  if (parts.camera == "query") config.camera_start = simulation::CameraStart::when_asked;
+  const std::string camera = parts.camera.value_or("half");
+  const bool is_sketch = camera == "text" || camera == "binary";  // which merges both halves
+  config.half_fresh = camera != "full" && !is_sketch;
+  if (is_sketch) config.profile.camera.protocol = camera;
+  if (camera == "query") config.camera_start = simulation::CameraStart::when_asked;
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));
   simulation::put_in_world(

@@ -9,9 +9,10 @@ namespace thermorig::sensors {
 // Each in the file of its name.
 CameraProtocol gy_mcu90640_camera();
 CameraProtocol text_camera();
+CameraProtocol binary_camera();
 
 std::span<const CameraProtocol> camera_protocols() {
-  static const std::array table{gy_mcu90640_camera(), text_camera()};
+  static const std::array table{gy_mcu90640_camera(), text_camera(), binary_camera()};
   return table;
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <bit>
 #include <string>
 
 #include "camera.h"
@@ -26,6 +27,17 @@ std::vector<std::uint8_t> text_bytes(const SimulatedFrame& frame, const CameraPr
   return {text.begin(), text.end()};
 }
 
+/// A mark and 768 floats, as the memory of a little-endian board holds them.
+std::vector<std::uint8_t> binary_bytes(const SimulatedFrame& frame, const CameraProfile&) {
+  std::vector<std::uint8_t> bytes{0xAA, 0xBB, 0xCC, 0xDD};
+  for (const float temp_c : frame.frame.temp_c) {
+    const auto word = std::bit_cast<std::uint32_t>(temp_c);
+    for (unsigned shift = 0; shift < 32; shift += 8)
+      bytes.push_back(static_cast<std::uint8_t>(word >> shift));
+  }
+  return bytes;
+}
+
 /// Rate, one frame, automatic output: the manual's table. What else it may be told is not heard.
 Heard gy_mcu90640_hear(std::span<const std::uint8_t> bytes, const CameraProfile&) {
   constexpr std::array rates_hz{0.5, 1.0, 2.0, 4.0, 8.0};
@@ -42,7 +54,8 @@ Heard gy_mcu90640_hear(std::span<const std::uint8_t> bytes, const CameraProfile&
 }
 
 constexpr std::array all_camera_encoders{CameraEncoder{"gy-mcu90640", gy_mcu90640_bytes, gy_mcu90640_hear},
-                                         CameraEncoder{"text", text_bytes, nullptr}};
+                                         CameraEncoder{"text", text_bytes, nullptr},
+                                         CameraEncoder{"binary", binary_bytes, nullptr}};
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Golden vectors of protocols/vectors: text_camera.txt, and those of the gyros.
+// Golden vectors of protocols/vectors: text_camera.txt, binary_camera.txt, and those of the gyros.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,10 +32,10 @@ void expect_reading(const GyroReading& reading, const Fields& fields) {
   }
 }
 
-TEST(GoldenVectors, ImagesAsTextAreReadAsDescribed) {
+void expect_images(const char* file, const char* protocol) {
   CameraProfile profile;
-  profile.protocol = "text";
-  for (const GoldenVector& vector : read_vectors("text_camera.txt")) {
+  profile.protocol = protocol;
+  for (const GoldenVector& vector : read_vectors(file)) {
     SCOPED_TRACE(vector.name);
     const Fields fields = fields_in(vector);
     const auto scan =
@@ -54,6 +54,14 @@ TEST(GoldenVectors, ImagesAsTextAreReadAsDescribed) {
         EXPECT_NEAR(frame.temp_c.at(std::stoul(name.substr(pixel.size()))), std::stof(value) / 100.0F, 1e-4);
       }
   }
+}
+
+TEST(GoldenVectors, ImagesAsTextAreReadAsDescribed) {
+  expect_images("text_camera.txt", "text");
+}
+
+TEST(GoldenVectors, ImagesInBytesAreReadAsDescribed) {
+  expect_images("binary_camera.txt", "binary");
 }
 
 TEST(GoldenVectors, WitmotionStreamsAreReadAsDescribed) {
