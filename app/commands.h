@@ -13,6 +13,7 @@ ExitCode run(const RecordOptions& options);
 ExitCode run(const LiveOptions& options);
 ExitCode run(const CalibrateOptions& options);
 ExitCode run(const PortsOptions& options);
+ExitCode run(const LookOptions& options);
 ExitCode run(const SimulateOptions& options);
 ExitCode run(const InspectOptions& options);
 ExitCode run(const ViewOptions& options);

@@ -26,6 +26,7 @@ struct Words {
   DoctorOptions doctor;
   CalibrateOptions calibrate;
   PortsOptions ports;
+  LookOptions look;
   SimulateOptions simulate;
   InspectOptions inspect;
   ViewOptions view;
@@ -144,6 +145,20 @@ void add_ports(CLI::App& root, Words& words) {
       ->type_name("PROFILE");
   add_json(command, words.ports.json);
   command.footer("Example:\n  thermorig ports --save bench");
+}
+
+void add_look(CLI::App& root, Words& words) {
+  CLI::App& command = *root.add_subcommand("look", "Show what one device sends, as it comes");
+  command.add_option("PORT", words.look.port, "Its port (default: the one device that is found)");
+  command.add_option("--seconds", words.look.seconds, "End after so long (default: Ctrl-C ends it)")
+      ->check(not_negative())
+      ->type_name("S");
+  add_json(command, words.look.json);
+  command.footer(
+      "A camera's image, a gyro's rates and how far it has turned, a servo's firmware and angle.\n"
+      "Nothing moves. Examples:\n"
+      "  thermorig look\n"
+      "  thermorig look /dev/ttyUSB1");
 }
 
 void add_simulate(CLI::App& root, Words& words) {
@@ -295,6 +310,7 @@ Command chosen(const CLI::App& root, Words& words) {
   if (name == "doctor") return words.doctor;
   if (name == "simulate") return words.simulate;
   if (name == "ports") return words.ports;
+  if (name == "look") return words.look;
   if (name == "live") return chosen_live(words.live);
   if (name == "inspect") return words.inspect;
   if (name == "view") return words.view;
@@ -322,6 +338,7 @@ void describe(CLI::App& root, Words& words) {
   add_calibrate(root, words);
   add_doctor(root, words);
   add_ports(root, words);
+  add_look(root, words);
   add_simulate(root, words);
   add_list(root, words.list);
   add_inspect(root, words);

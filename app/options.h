@@ -101,6 +101,12 @@ struct PortsOptions {
   bool json = false;
 };
 
+struct LookOptions {
+  std::string port;      // empty: the one device that is found
+  double seconds = 0.0;  // then it ends; 0: the user ends it
+  bool json = false;
+};
+
 struct SimulateOptions {
   std::uint64_t seed = 1;
   std::string environment = "laboratory";
@@ -253,7 +259,7 @@ struct VersionOptions {
 using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
                              RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
                              ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions,
-                             AnnotateOptions, DatasetOptions, ViewOptions>;
+                             AnnotateOptions, DatasetOptions, ViewOptions, LookOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

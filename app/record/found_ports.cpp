@@ -10,6 +10,7 @@
 
 #include "print/output.h"
 #include "print/text_columns.h"
+#include "thermorig/io/port.h"
 
 namespace thermorig::app {
 
@@ -142,6 +143,19 @@ std::string command_with_ports(const FoundPorts& found) {
 }
 
 }  // namespace
+
+std::vector<io::PortInfo> ports_to_hear(const std::vector<std::string>& named) {
+  std::vector<io::PortInfo> listed = io::list_ports();
+  if (named.empty()) return listed;
+  std::vector<io::PortInfo> ports;
+  for (const std::string& name : named) {
+    const std::string path = io::resolve_port(name);
+    const auto known =
+        std::find_if(listed.begin(), listed.end(), [&](const auto& port) { return port.path == path; });
+    ports.push_back(known == listed.end() ? io::PortInfo{.path = path} : *known);
+  }
+  return ports;
+}
 
 FoundPorts found_ports(std::vector<PortFinding> findings, const RigProfile& profile, SavedProfile saved) {
   const auto role_first = [](const PortFinding& finding) {

@@ -36,6 +36,9 @@ struct FoundPorts {
   ExitCode code() const;
 };
 
+/// The ports that were named, described as far as the system knows them; without names all that it lists.
+std::vector<io::PortInfo> ports_to_hear(const std::vector<std::string>& named);
+
 /// `profile` keeps everything but its ports: people edit such files.
 FoundPorts found_ports(std::vector<rig::PortFinding> findings, const RigProfile& profile, SavedProfile saved);
 

@@ -19,20 +19,6 @@ namespace thermorig::app {
 
 namespace {
 
-/// The ports that were named, described as far as the system knows them; without names all that it lists.
-std::vector<io::PortInfo> ports_to_hear(const std::vector<std::string>& named) {
-  std::vector<io::PortInfo> listed = io::list_ports();
-  if (named.empty()) return listed;
-  std::vector<io::PortInfo> ports;
-  for (const std::string& name : named) {
-    const std::string path = io::resolve_port(name);
-    const auto known =
-        std::find_if(listed.begin(), listed.end(), [&](const auto& port) { return port.path == path; });
-    ports.push_back(known == listed.end() ? io::PortInfo{.path = path} : *known);
-  }
-  return ports;
-}
-
 /// The one to save in as it is so far; else a new one of that name.
 RigProfile profile_before(const std::filesystem::path& file) {
   if (std::filesystem::exists(file)) return rig::read_profile(file);

@@ -54,7 +54,30 @@ TEST_F(Ports, FindsTheThreeRolesOfASimulatedRigInAnyOrder) {
   EXPECT_EQ(simulation.lines().back()["event"], "summary");
 }
 
+TEST_F(Ports, ShowWhatOneDeviceSends) {
+  const auto rig = simulate();
+  const Outcome camera = run("look --json --seconds 3 " + port(rig, "camera"));
+  const Outcome gyro = run("look --json --seconds 3 " + port(rig, "gyro"));
+  const Outcome servo = run("look --seconds 2 " + port(rig, "servo"));
+  end_simulation();
+  ASSERT_EQ(camera.code, 0) << camera.err;
+  EXPECT_EQ(camera.lines().back()["device"], "camera");
+  EXPECT_GT(camera.lines().back()["rate_hz"].get<double>(), 4.0);
+  EXPECT_LT(camera.lines().back()["low_c"].get<double>(), camera.lines().back()["high_c"].get<double>());
+  ASSERT_EQ(gyro.code, 0) << gyro.err;
+  EXPECT_EQ(gyro.lines().back()["rate_dps"].size(), 3U);
+  ASSERT_EQ(servo.code, 0) << servo.err;
+  EXPECT_THAT(servo.out, HasSubstr("firmware"));
+  EXPECT_THAT(servo.out, HasSubstr("at rest"));
+}
+
 /// Nobody speaks there, and it is no serial port.
+TEST_F(Ports, SayWhatToTryWhereNoDeviceCanBeLookedAt) {
+  const Outcome outcome = run("look /dev/null");
+  EXPECT_EQ(outcome.code, 4) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("try: "));
+}
+
 TEST_F(Ports, EndsWithAnErrorWhereRolesAreMissingAndSavesWhatThereIs) {
   const Outcome outcome = run("ports --save ./found.toml /dev/null");
   EXPECT_EQ(outcome.code, 4) << outcome.err;
