@@ -22,8 +22,6 @@ using namespace std::string_view_literals;
 using wire::Bytes;
 using wire::CameraMessage;
 
-constexpr float coldest_c = -100.0F, hottest_c = 500.0F;  // nothing that an MLX90640 sends lies beyond
-
 float float_at(Bytes bytes) {
   const std::uint32_t low = wire::u16_at(bytes, 0), high = wire::u16_at(bytes, 2);
   return std::bit_cast<float>(low | (high << 16));
@@ -135,8 +133,9 @@ class BinaryCameraScanner {
     for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel)
       temp_c[pixel] =
           layout.pixel(frame.subspan(layout.begin.size() + layout.ahead + pixel * layout.pixel_bytes));
-    const bool is_good = std::all_of(temp_c.begin(), temp_c.end(),
-                                     [](float value) { return value >= coldest_c && value <= hottest_c; });
+    const bool is_good = std::all_of(temp_c.begin(), temp_c.end(), [](float value) {
+      return value >= coldest_pixel_c && value <= hottest_pixel_c;
+    });
     if (!is_good && layout_ == nullptr) {  // its marks may be pixels
       ledger_.book_gap(1);
       return 1;

@@ -21,7 +21,6 @@ namespace {
 
 using wire::CameraMessage;
 
-constexpr float coldest_c = -100.0F, hottest_c = 500.0F;  // nothing that an MLX90640 sends lies beyond
 constexpr float unknown_c = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t token_bytes_max = 32;                // a double printed in full has 24
 constexpr std::size_t line_bytes_max = frame_pixels * 26;  // a number in full and what separates it
@@ -91,7 +90,7 @@ class Line {
   }
   void push(double number, bool is_decimal) {
     const auto temp_c = static_cast<float>(number);
-    is_broken_ |= !(temp_c >= coldest_c && temp_c <= hottest_c);
+    is_broken_ |= !(temp_c >= coldest_pixel_c && temp_c <= hottest_pixel_c);
     has_decimals_ |= is_decimal;
     if (numbers_ < values_.size()) values_[numbers_] = temp_c;
     ++numbers_;

@@ -12,7 +12,7 @@
 #include "thermorig/sensors/device_stream.h"
 #include "wire/scan.h"
 
-namespace thermorig::test {
+namespace thermorig::test::binary_camera {
 namespace {
 
 constexpr std::size_t frames = 6;
@@ -129,4 +129,4 @@ TEST(BinaryCamera, IsRecognised) {
 }
 
 }  // namespace
-}  // namespace thermorig::test
+}  // namespace thermorig::test::binary_camera

@@ -8,7 +8,7 @@
 #include "thermorig/sensors/wire/device_bytes.h"
 #include "wire/scan.h"
 
-namespace thermorig::test {
+namespace thermorig::test::foreign_bytes {
 namespace {
 
 using ::testing::HasSubstr;
@@ -117,4 +117,4 @@ TEST(ForeignBytes, AreNotSeenInWhatIsRead) {
 }
 
 }  // namespace
-}  // namespace thermorig::test
+}  // namespace thermorig::test::foreign_bytes

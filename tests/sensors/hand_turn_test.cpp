@@ -14,7 +14,7 @@
 
 #include "support/chunking.h"
 
-namespace thermorig::test {
+namespace thermorig::test::hand_turn {
 namespace {
 
 using testing::ElementsAre;
@@ -100,4 +100,4 @@ TEST(HandTurn, TellsNothingWhereNoColumnIsARate) {
 }
 
 }  // namespace
-}  // namespace thermorig::test
+}  // namespace thermorig::test::hand_turn

@@ -12,7 +12,7 @@
 #include "thermorig/sensors/device_stream.h"
 #include "wire/scan.h"
 
-namespace thermorig::test {
+namespace thermorig::test::text_camera {
 namespace {
 
 using testing::HasSubstr;
@@ -184,4 +184,4 @@ TEST(TextCamera, PassesOverALineThatNeverEnds) {
 }
 
 }  // namespace
-}  // namespace thermorig::test
+}  // namespace thermorig::test::text_camera

@@ -11,7 +11,7 @@
 #include "support/gyro_scanners.h"
 #include "wire/scan.h"
 
-namespace thermorig::test {
+namespace thermorig::test::text_format {
 namespace {
 
 using testing::Contains;
@@ -148,4 +148,4 @@ TEST(TextFormat, OfARealLogIsInItsHeader) {
 }
 
 }  // namespace
-}  // namespace thermorig::test
+}  // namespace thermorig::test::text_format

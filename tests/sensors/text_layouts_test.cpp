@@ -13,7 +13,7 @@
 #include "thermorig/sensors/text_format.h"
 #include "wire/scan.h"
 
-namespace thermorig::test {
+namespace thermorig::test::text_layouts {
 namespace {
 
 using testing::AllOf;
@@ -697,4 +697,4 @@ TEST(TextLayouts, OfFewDecimalsAreToldOnceWithTheCure) {
 }
 
 }  // namespace
-}  // namespace thermorig::test
+}  // namespace thermorig::test::text_layouts

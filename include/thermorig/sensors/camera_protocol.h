@@ -21,6 +21,10 @@ using Commands = std::vector<std::vector<std::uint8_t>>;
 
 using CameraScanner = Scanner<wire::CameraMessage>;
 
+/// Nothing that an MLX90640 measures lies beyond (its data sheet: objects from -40 to 300 degC): a sketch's
+/// number that does is no temperature.
+inline constexpr float coldest_pixel_c = -100.0F, hottest_pixel_c = 500.0F;
+
 /// All that the program knows of one camera protocol. Others ask this, and never compare names.
 struct CameraProtocol {
   std::string_view name;   // in profiles and sessions
