@@ -82,9 +82,10 @@ std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double he
 
 std::vector<SearchStep> search_steps() {
   std::vector<SearchStep> steps;
-  for (const CameraProtocol& camera : camera_protocols())
-    add_steps(camera.bauds, camera.greeting == nullptr ? std::vector<std::uint8_t>() : camera.greeting(),
-              true, steps);
+  for (const CameraProtocol& camera : camera_protocols()) {
+    const bool listens = camera.greeting != nullptr;
+    add_steps(camera.bauds, listens ? camera.greeting() : std::vector<std::uint8_t>(), listens, steps);
+  }
   for (const GyroProtocol& gyro : gyro_protocols()) add_steps(gyro.bauds, {}, false, steps);
   add_steps(servo_protocol().bauds, servo_protocol().greeting(), false, steps);
   return steps;

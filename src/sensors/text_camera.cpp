@@ -25,7 +25,7 @@ constexpr float unknown_c = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t token_bytes_max = 32;                // a double printed in full has 24
 constexpr std::size_t line_bytes_max = frame_pixels * 26;  // a number in full and what separates it
 constexpr std::size_t usual_frame_bytes = frame_pixels * 7 + frame_rows * 2;  // "-23.4, ", a row a line
-constexpr std::array<UsualBaud, 3> text_camera_bauds{{{115200, 0.6}, {460800, 0.3}, {921600, 0.3}}};
+constexpr std::array<UsualBaud, 2> text_camera_bauds{{{460800, 0.12}, {115200, 0.15}}};
 
 /// One line, token by token.
 class Line {

@@ -255,7 +255,12 @@ bool contradict_by(const Estimate& a, const Estimate& b, double stated) {
          contradiction_deviations * std::hypot(a.uncertainty, b.uncertainty, stated);
 }
 
-Witness outlier_of(const std::optional<Estimate>& gyro, const std::optional<Estimate>& images,
+struct Outlier {
+  Witness witness = Witness::none;
+  bool between_gyro_and_images = false;  // the command agrees with either
+};
+
+Outlier outlier_of(const std::optional<Estimate>& gyro, const std::optional<Estimate>& images,
                    const Estimate& command, const Stated& stated) {
   const double scale = command.value;
   const auto against = [&](const std::optional<Estimate>& share, double of_it) {
@@ -264,12 +269,14 @@ Witness outlier_of(const std::optional<Estimate>& gyro, const std::optional<Esti
   const bool gyro_off = against(gyro, stated.gyro), images_off = against(images, stated.lens);
   const double stated_apart = std::hypot(stated.gyro, stated.lens);
   const bool apart = gyro && images && contradict_by(*gyro, *images, scale * stated_apart);
-  if (!gyro_off && !images_off)  // a command that nobody trusts to that cannot tell who is right
-    return apart && stated.servo > stated_apart ? Witness::undecided : Witness::none;
-  if (!gyro || !images) return Witness::undecided;
-  if (!gyro_off) return apart ? Witness::images : Witness::none;
-  if (apart) return images_off ? Witness::undecided : Witness::gyro;
-  return images_off ? Witness::command : Witness::undecided;  // the images agree with either of the two
+  if (!gyro_off && !images_off) {  // a command that nobody trusts to that cannot tell who is right
+    const bool nobody_tells = apart && stated.servo > stated_apart;
+    return {nobody_tells ? Witness::undecided : Witness::none, nobody_tells};
+  }
+  if (!gyro || !images) return {Witness::undecided};
+  if (!gyro_off) return {apart ? Witness::images : Witness::none};
+  if (apart) return {images_off ? Witness::undecided : Witness::gyro};
+  return {images_off ? Witness::command : Witness::undecided};  // the images agree with either of the two
 }
 
 /// Nothing where they were not looked at.
@@ -295,8 +302,8 @@ Cause cause_of(Witness outlier, const Witnesses& witnesses, const Axes& axes, do
   return cause;
 }
 
-/// `expected`: the share that the profile's servo would show.
-std::string contradiction(Witness outlier, const Witnesses& witnesses, double expected) {
+std::string contradiction(Outlier found, const Witnesses& witnesses) {
+  const Witness outlier = found.witness;
   const auto& [gyro, images] = std::tie(witnesses.gyro_share, witnesses.images_share);
   if (outlier == Witness::command)
     return fmt::format("the shaft turns at {} of the commanded speed, gyro and images agree",
@@ -305,26 +312,24 @@ std::string contradiction(Witness outlier, const Witnesses& witnesses, double ex
     return fmt::format("images and command contradict: the images turn at {} of the commanded speed{}",
                        share_text(images->value),
                        gyro ? fmt::format(", the gyro at {}", share_text(gyro->value)) : "");
-  const bool is_nearer_to_command =
-      images && std::abs(gyro->value - images->value) > std::abs(gyro->value - expected);
   return fmt::format("gyro and {} contradict: the gyro shows {} of the commanded speed{}",
-                     is_nearer_to_command && outlier == Witness::undecided ? "images" : "command",
-                     share_text(gyro->value), images_text(witnesses));
+                     found.between_gyro_and_images ? "images" : "command", share_text(gyro->value),
+                     images_text(witnesses));
 }
 
 /// Fills in outlier, cause and remedy.
 void judge(Witnesses& witnesses, const Axes& axes, const Stated& stated, const RigProfile& profile) {
   const auto axis = static_cast<std::size_t>(profile.gyro.axis);
-  Witness outlier =
+  Outlier found =
       outlier_of(witnesses.gyro_share, witnesses.images_share, {profile.servo.scale, 0.0}, stated);
-  if (outlier == Witness::none && witnesses.gyro_share && axes.saturated > most_saturated)
-    outlier = Witness::gyro;
+  if (found.witness == Witness::none && witnesses.gyro_share && axes.saturated > most_saturated)
+    found.witness = Witness::gyro;
+  const Witness outlier = found.witness;
   witnesses.outlier = outlier;
   if (outlier != Witness::none) {
     const double tolerance = contradiction_deviations * std::hypot(stated.servo, stated.gyro);
     const Cause cause = cause_of(outlier, witnesses, axes, tolerance, profile);
-    witnesses.cause = fmt::format("{}; likely cause: {}",
-                                  contradiction(outlier, witnesses, profile.servo.scale), cause.why);
+    witnesses.cause = fmt::format("{}; likely cause: {}", contradiction(found, witnesses), cause.why);
     witnesses.remedy = cause.remedy;
   } else if (const double lean_deg = lean_of(axes, axis);
              witnesses.gyro_share && axes.is_known && lean_deg > most_lean_deg) {
