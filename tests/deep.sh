@@ -45,6 +45,6 @@ part slurm bash tests/slurm/run.sh build
 cmake --preset tsan
 part "build with ThreadSanitizer" build tsan --target test_files test_io test_simulated_ports test_rig test_session test_web_server
 part "threads with ThreadSanitizer" bash tests/wall_clock.sh build-tsan \
-  -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals|PlugOn|FinalisingOn|ClaimFile)'
+  -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals|PlugOn|FinalisingOn)'
 
 part "fuzzers, $fuzz_seconds s each" bash tests/fuzz/run.sh "$fuzz_seconds" build-asan
