@@ -11,7 +11,7 @@ case $SLURM_ARRAY_TASK_ID:${SLURM_RESTART_COUNT:-0} in
   2:0)
     "$program" "${part[@]}" &
     # Once one of its jobs is done, it trains the next.
-    until "$program" evaluate "$@" -o shared --list-jobs | awk 'NR % 4 == 2' | grep -q done; do sleep 0.02; done
+    until "$program" evaluate "$@" -o shared --list-jobs | awk 'NR % 4 == 2' | grep -q 'done'; do sleep 0.02; done
     kill -KILL $!
     touch second.is_killed
     scontrol requeue "$SLURM_JOB_ID"
