@@ -17,7 +17,7 @@ for part in "$@"; do
     page) add_node ;;
     tests) add_node; packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib python3-onnx
       python3-pandas python3-venv python3-pip python3-setuptools python3-wheel) ;;
-    deep) packages+=(clang-14 lld-14 libclang-rt-14-dev clang-format-14 clang-tidy-14 llvm-14 python3 g++-aarch64-linux-gnu qemu-user
+    deep) packages+=(clang-14 lld-14 libclang-rt-14-dev clang-format-14 clang-tidy-14 llvm-14 python3 valgrind g++-aarch64-linux-gnu qemu-user
       gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm slurmctld slurmd slurm-client munge) ;;
     bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
     browser) packages+=(chromium) ;;

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # The slow checks: all tests under AddressSanitizer and UBSan, the threaded ones under ThreadSanitizer, and each
 # fuzzer for a bounded time with the golden vectors as seeds, the live page in a browser, the kernel's usb-serial
-# driver in a guest, a study on Slurm, the build of the benchmarks, and the line coverage of what a recording's truth
-# rests on.
+# driver in a guest, a study on Slurm, the build of the benchmarks, costs in instructions, and the line coverage of what a
+# recording's truth rests on.
 # Usage: bash tests/deep.sh [seconds a fuzzer, default 6; a full pass takes 60]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -22,8 +22,9 @@ rm -rf build-asan/coverage && mkdir build-asan/coverage # what is not there gets
 part "unit tests with AddressSanitizer and UBSan" ctest --test-dir build-asan --output-on-failure -j "$(nproc)" -LE rig \
   -E "^(Cores/|$(paste -sd'|' tests/release_only.txt))"
 part "line coverage" bash tests/coverage.sh --counted
-# Not the README: its blocks build and run the release again.
-part "tests on the clock with AddressSanitizer and UBSan" bash tests/wall_clock.sh build-asan -L rig -E "^Readme"
+# Not the README, whose blocks build and run the release again, nor the drills, which measure how soon the shaft rests: what
+# they run is run on virtual ports.
+part "tests on the clock with AddressSanitizer and UBSan" bash tests/wall_clock.sh build-asan -L rig -E "^Readme|Drill"
 
 # Exported C on boards in QEMU: what it takes.
 build_files=(CMakeLists.txt CMakePresets.json tests/CMakeLists.txt app/setup.sh)
@@ -39,12 +40,19 @@ part "live page in a browser" bash tests/page/run.sh build
 # Ports on the kernel's usb-serial driver, plugs pulled and put back.
 part usb_guest far usb_guest "${build_files[@]}" {src,include/thermorig}/{core,io} tests/usb -- bash tests/usb/run.sh build
 
-# An array whose tasks share a study; one is killed, two are requeued.
-part slurm bash tests/slurm/run.sh build
+# An array whose tasks share a study; one is killed, two are requeued. It mostly waits, and instructions are counted right
+# beside whatever else runs.
+slurm_and_costs() {
+  bash tests/bench/costs.sh &
+  local costs=$!
+  bash tests/slurm/run.sh build
+  wait "$costs"
+}
+part "slurm, and costs in instructions" slurm_and_costs
 
 cmake --preset tsan
-part "build with ThreadSanitizer" build tsan --target test_files test_io test_simulated_ports test_rig test_session test_web_server
+part "build with ThreadSanitizer" build tsan --target test_io test_simulated_ports test_rig test_web_server
 part "threads with ThreadSanitizer" bash tests/wall_clock.sh build-tsan \
-  -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals|PlugOn|FinalisingOn|ClaimFile)'
+  -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals|PlugOn|FinalisingOn)'
 
 part "fuzzers, $fuzz_seconds s each" bash tests/fuzz/run.sh "$fuzz_seconds" build-asan

@@ -37,6 +37,12 @@ else
 $changed"
 fi
 
-python3 tests/stale_tables.py --strict || wrong "there are figures that are stale, or marks that are wrong"
+figures=$(grep -rhoE '^<!-- (table|figures) [a-z_]+, commit [0-9a-f]+' README.md docs | sed 's/.* //' | sort -u)
+made=$(git rev-parse -q --verify "$figures^{commit}" 2>/dev/null || true) # nothing where there are several
+if [ -z "$made" ]; then
+  wrong "the figures are not of one commit: bash tests/bench/figures.sh"
+elif ! git diff --quiet "$made" -- src include app; then
+  wrong "the program has changed since the figures were made: bash tests/bench/figures.sh"
+fi
 [ $failed = 0 ] || exit 1
 echo "version $version is fit to be tagged, as far as a script can tell"

@@ -80,7 +80,7 @@ void add_job_words(CLI::App& command, EvaluateOptions& options) {
       ->group(study_group);
   command
       .add_flag("--list-jobs", options.list_jobs,
-                "With --study: only list the jobs, a line each: its id, and done, claimed or open")
+                "With --study: only list the jobs, a line each: its id, and done or open")
       ->group(study_group);
   command.add_option("--job", options.job, "With --study: only run this job, and draw no report")
       ->type_name("ID")

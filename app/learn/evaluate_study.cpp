@@ -99,14 +99,6 @@ dataset::IsWanted tested_by(std::vector<study::Job> jobs) {
   };
 }
 
-std::vector<study::Job> without_result(const std::vector<study::Job>& jobs, const fs::path& folder) {
-  std::vector<study::Job> left;
-  const std::vector<study::JobStanding> standings = study::standings_of(jobs, folder);
-  for (std::size_t i = 0; i < jobs.size(); ++i)
-    if (standings[i].state != study::JobState::done) left.push_back(jobs[i]);
-  return left;
-}
-
 std::vector<study::Job> with_result(const fs::path& folder) {
   std::vector<study::Job> jobs;
   for (const study::JobResult& result : study::read_results(folder)) jobs.push_back(result.job);
@@ -205,7 +197,7 @@ ExitCode run_study(const EvaluateOptions& options) {
   dataset::Acquisitions data = memory.read(session_options(options), bytes_beside_a_frame(workers));
   const StudyJobs jobs = study_jobs(options, data.acquisitions);
   announce(options, jobs, data, memory, workers);
-  memory.run_estimators(data, options.json, tested_by(without_result(jobs.chosen, folder)));
+  memory.run_estimators(data, options.json, tested_by(study::without_result(jobs.chosen, folder)));
   watch_interrupts();
   StudyProgress progress(options.json);
   const bool finished =

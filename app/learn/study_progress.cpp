@@ -32,7 +32,6 @@ study::RunObserver StudyProgress::observer(std::function<bool()> stop) {
   observer.started = [this](const study::Progress& progress) { started(progress); };
   observer.epoch_done = [this](const study::Progress& progress) { epoch_done(progress); };
   observer.job_done = [this](const study::Progress& progress) { job_done(progress); };
-  observer.held = [this](const study::Job& job, const files::ClaimSight& claim) { held(job, claim); };
   observer.stop = std::move(stop);
   return observer;
 }
@@ -64,22 +63,6 @@ void StudyProgress::job_done(const study::Progress& progress) {
                 {"eta_s", progress.eta_s}});
   else
     print("{}; {}\n", standing_text(progress), printable(progress.last));
-  flush_output();
-}
-
-void StudyProgress::held(const study::Job& job, const files::ClaimSight& claim) {
-  if (json_) {
-    nlohmann::json waiting{
-        {"event", "waiting"}, {"id", study::id_of(job)}, {"job", study::description_of(job)}};
-    if (claim.holder)
-      waiting["holder"] = {
-          {"host", claim.holder->host}, {"process", claim.holder->number}, {"since", claim.since_utc}};
-    print_json(waiting);
-  } else {
-    end();
-    print("waiting for {}: claimed by {}\n", printable(study::description_of(job)),
-          printable(files::text_of(claim)));
-  }
   flush_output();
 }
 

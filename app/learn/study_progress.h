@@ -23,7 +23,6 @@ class StudyProgress {
   void started(const study::Progress& progress);
   void epoch_done(const study::Progress& progress);
   void job_done(const study::Progress& progress);
-  void held(const study::Job& job, const files::ClaimSight& claim);
 
   bool json_;
   bool line_;

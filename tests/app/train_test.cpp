@@ -186,8 +186,9 @@ TEST_F(Train, SaysWhoTrainsInTheFolderAlready) {
   const Outcome refused =
       run("train recordings --nf 2 --nr 3 --epochs 5000 --threads 2 -o model.onnx --resume");
   EXPECT_EQ(refused.code, 6);
-  EXPECT_THAT(refused.err, AllOf(HasSubstr("process " + std::to_string(process) + ", since 20"),
-                                 HasSubstr("trains in this folder"), HasSubstr("--run-folder")));
+  EXPECT_THAT(refused.err,
+              AllOf(HasSubstr("process " + std::to_string(process) + " (thermorig) trains in this folder"),
+                    HasSubstr("--run-folder")));
   kill(process, SIGINT);
   EXPECT_EQ(wait(process).code, 130);
 }

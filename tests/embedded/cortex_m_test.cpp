@@ -54,7 +54,7 @@ TEST_P(OnACortexM, SpeedsOfInt8WeightsAreTheEstimators) {
 class OdometerOnACortexM : public OnACortexM {};
 
 /// In a room, until it tracks, with a gyro whose noise it hears. Seven minutes:
-/// tests/bench/export_odometer.sh.
+/// docs/export.md.
 TEST_P(OdometerOnACortexM, SaysTheSameAsOnThisMachine) {
   const Core& core = cores[GetParam()];
   const RigProfile rig;

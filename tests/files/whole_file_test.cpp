@@ -15,7 +15,6 @@
 #include "support/as_nobody.h"
 #include "support/file_text.h"
 #include "thermorig/core/error.h"
-#include "thermorig/io/files/process.h"
 
 namespace thermorig::files {
 namespace {
@@ -127,7 +126,7 @@ TEST_F(WholeFile, ThatMayNotBeReadIsNoDamagedOne) {
 
 TEST_F(PartFileName, SaysWhoseItIs) {
   const fs::path file = folder_ / "a.bin";
-  const std::string host = this_process().host, path = file.string();
+  const std::string host = host_name(), path = file.string();
   EXPECT_EQ(part_path_of(file), path + "." + host + "." + std::to_string(::getpid()) + ".part");
   EXPECT_EQ(left_part_of(part_path_of(file)), file) << "of a process before this one";
   constexpr const char* unused = "1073741823";  // more than the system gives

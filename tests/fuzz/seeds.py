@@ -58,11 +58,6 @@ TEXTS = {
         "{\"acquisition\":" + DEEP + "}",
         json.dumps(FORMAT_1_HEADER),
     ],
-    "claim": [
-        "thermorig claim 1\nhost node7\nboot 0123-4567\nspace 4026531836\nprocess 4711\nstart 500\n"
-        "since 2026-11-24T03:49:01Z\n...",
-        "thermorig claim 1\nhost \n",
-    ],
     "result": ["{\"job\":" + DEEP + "}", "{\"job\":{\"kind\":\"held-out\",\"seed\":1},\"mae_dps\":1.5}"],
     "run": [
         "{\"data\":0,\"settings\":{\"epochs\":" + DEEP + "}}",

@@ -11,7 +11,7 @@
 
 #include "rig/recording/recording_start.h"
 #include "simulated_bus.h"
-#include "thermorig/io/files/process.h"
+#include "thermorig/io/files/part_file.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/storage/journal/journal.h"
@@ -352,7 +352,7 @@ TEST(Recovery, StatesTheSameLossAgainAsLongAsTheJournalIsThere) {
 TEST(Recovery, RemovesAndNamesWhatKilledProgramsLeftOfAnyFile) {
   const TemporaryFolder folder;
   const auto journal = killed_journal(folder);
-  const std::string session = session_of(journal).string(), host = "." + files::this_process().host;
+  const std::string session = session_of(journal).string(), host = "." + files::host_name();
   constexpr int never_a_process = 1 << 30;  // beyond the most that the kernel gives (2^22)
   const std::string number = "." + std::to_string(never_a_process) + ".part";
   const std::filesystem::path abandoned = session + host + number;

@@ -14,7 +14,7 @@ def results_of(folder):
     results = {}
     for path in sorted(pathlib.Path(folder).iterdir()):
         if path.suffix != ".json":
-            sys.exit(f"{path} is no result: a claim or an unfinished file was left")
+            sys.exit(f"{path} is no result: an unfinished file was left")
         result = json.loads(path.read_text())
         for name in ("seconds", "sum"):  # of one training they differ
             del result[name]

@@ -10,8 +10,8 @@ part=(evaluate "$@" -o shared --jobs 1 --shard "$SLURM_ARRAY_TASK_ID/$SLURM_ARRA
 case $SLURM_ARRAY_TASK_ID:${SLURM_RESTART_COUNT:-0} in
   2:0)
     "$program" "${part[@]}" &
-    # shellcheck disable=SC2016
-    until "$program" evaluate "$@" -o shared --list-jobs | grep -q "claimed  .*process $!,"; do sleep 0.02; done
+    # Once one of its jobs is done, it trains the next.
+    until "$program" evaluate "$@" -o shared --list-jobs | awk 'NR % 4 == 2' | grep -q 'done'; do sleep 0.02; done
     kill -KILL $!
     touch second.is_killed
     scontrol requeue "$SLURM_JOB_ID"

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "small_study.h"
+#include "thermorig/io/files/part_file.h"
 
 namespace thermorig::study {
 namespace {
@@ -103,8 +104,8 @@ TEST_F(RunJobs, GoOnAfterAKillWithoutRepeatingAJob) {
 TEST_F(RunJobs, RemoveWhatAKilledRunLeftHalfWritten) {
   const fs::path result = folder_ / file_name_of(jobs().front());
   const std::string never_a_process = std::to_string(1 << 30);  // beyond the most that the kernel gives
-  const fs::path ours = result.string() + "." + files::this_process().host + "." + never_a_process + ".part";
-  const fs::path alive = result.string() + "." + files::this_process().host + ".1.part";
+  const fs::path ours = result.string() + "." + files::host_name() + "." + never_a_process + ".part";
+  const fs::path alive = result.string() + "." + files::host_name() + ".1.part";
   const fs::path elsewhere = result.string() + ".another-host." + never_a_process + ".part";
   for (const fs::path& part : {ours, alive, elsewhere}) std::ofstream(part) << "{\"format\":";
   EXPECT_EQ(reused(folder_), 0U);

@@ -11,7 +11,6 @@
 
 #include "support/synthetic_acquisitions.h"
 #include "thermorig/core/error.h"
-#include "thermorig/io/files/process.h"
 #include "thermorig/learning/study/study.h"
 
 namespace thermorig::study {

@@ -109,32 +109,10 @@ TEST_F(RunFolderTest, IsOfOneProgramAtATime) {
   std::optional<RunFolder> first(RunFolder::create(run(), description_));
   const Error error = refusal_to_reopen();
   EXPECT_EQ(error.code(), ExitCode::no_permission);
-  EXPECT_EQ(error.what_happened(),
-            files::text_of(files::look_at_claim(run() / "run")) + " trains in this folder");
+  EXPECT_EQ(error.what_happened(), "this process trains in this folder");
   EXPECT_EQ(error.where(), run().string());
   first.reset();
   EXPECT_EQ(refusal_to_reopen().code(), ExitCode::ok);
-}
-
-TEST_F(RunFolderTest, HasNoClaimOnceItHasAModel) {
-  const auto files = [&] { return std::distance(fs::directory_iterator(run()), {}); };
-  RunFolder::create(run(), description_);
-  EXPECT_EQ(files(), 2);
-  {
-    const RunFolder folder = RunFolder::reopen(run(), description_);
-    overwrite("model.onnx", "a model");
-  }
-  EXPECT_EQ(files(), 2);
-}
-
-TEST_F(RunFolderTest, ThatWasTakenOverIsLeftAlone) {
-  constexpr files::ClaimTiming quick{.beat = std::chrono::milliseconds(1)};
-  RunFolder::create(run(), description_);
-  RunFolder folder = RunFolder::reopen(run(), description_, quick);
-  const Checkpoint kept = checkpoint();
-  const auto taker = files::Claim::take(run() / "run", files::look_at_claim(run() / "run"));
-  ASSERT_TRUE(taker);
-  EXPECT_THROW(while (true) folder.save(kept, 1.0), Error);
 }
 
 TEST_F(RunFolderTest, SaysWhichSettingsDiffer) {
@@ -234,7 +212,7 @@ TEST_F(RunFolderTest, OnAFullDiskKeepsTheCheckpointBefore) {
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
   EXPECT_EQ(code, ExitCode::storage);
   EXPECT_EQ(text("checkpoint.bin"), before);
-  EXPECT_EQ(std::distance(fs::directory_iterator(run()), fs::directory_iterator()), 4);  // and its claim
+  EXPECT_EQ(std::distance(fs::directory_iterator(run()), fs::directory_iterator()), 3);
 }
 
 TEST_F(RunFolderTest, WhereNothingCanBeWrittenIsAMatterOfStorage) {

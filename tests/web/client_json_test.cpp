@@ -49,6 +49,13 @@ TEST(ClientJson, RefusesTagCharactersAndTakesEmojis) {
   EXPECT_TRUE(is_taken(R"({"note":"\u2600\ufe0f \ud83c\udf27\ufe0f"})"));
 }
 
+TEST(ClientJson, RefusesWhatIsNoOrderAndALongNote) {
+  for (const std::string_view body : {"", "{", "[]", "1", R"({"note":7})", "{\"note\":\"\x1b[2J\"}"})
+    EXPECT_FALSE(is_taken(body)) << body;
+  EXPECT_TRUE(is_taken(fmt::format(R"({{"note":"{:a>200}"}})", "")));
+  EXPECT_FALSE(is_taken(fmt::format(R"({{"note":"{:a>201}"}})", "")));
+}
+
 TEST(ClientJson, RefusesWhatIsNotUtf8) {
   for (const std::string note : {"\xff", "\xc0\x80", "\xed\xa0\x80", "\xe2\x82", "\xf5\x80\x80\x80"})
     EXPECT_FALSE(is_taken("{\"note\":\"" + note + "\"}"));

@@ -2,8 +2,11 @@
 #include "thermorig/io/files/part_file.h"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -12,7 +15,6 @@
 #include "thermorig/core/error.h"
 #include "thermorig/io/files/file_lock.h"
 #include "thermorig/io/files/holder.h"
-#include "thermorig/io/files/process.h"
 #include "thermorig/io/files/replaced_file.h"
 
 namespace thermorig::files {
@@ -20,6 +22,13 @@ namespace thermorig::files {
 namespace {
 
 constexpr unsigned mode_of_new = 0644, mode_of_nobody_else = 0600;
+
+/// Is there no process of that number on this machine, as far as the calling one's space goes?
+bool is_unused(std::uint64_t process) {
+  constexpr std::uint64_t most = 1ULL << 30U;  // the system gives at most 2^22
+  if (process == 0 || process > most) return false;
+  return ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+}
 
 }  // namespace
 
@@ -48,13 +57,27 @@ std::string usual_advice(int error_number) {
   }
 }
 
+std::string host_name() {
+  std::array<char, 65> name{};
+  if (::gethostname(name.data(), name.size()) != 0 || name[0] == '\0') return "unknown";
+  std::string text = name.data();
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) {
+        const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+        return !letter && !(c >= '0' && c <= '9') && c != '-' && c != '_' && c != '.';
+      },
+      '_');
+  return text;
+}
+
 std::filesystem::path part_path_of(const std::filesystem::path& path) {
-  return fmt::format("{}.{}.{}.part", path.string(), this_process().host, ::getpid());
+  return fmt::format("{}.{}.{}.part", path.string(), host_name(), ::getpid());
 }
 
 std::optional<std::filesystem::path> left_part_of(const std::filesystem::path& path) {
   constexpr std::string_view end = ".part";
-  const std::string name = path.string(), host = fmt::format(".{}.", this_process().host);
+  const std::string name = path.string(), host = fmt::format(".{}.", host_name());
   const std::size_t host_at = name.rfind(host);
   if (!name.ends_with(end) || host_at == std::string::npos || host_at == 0) return std::nullopt;
   const char* const digits = name.data() + host_at + host.size();

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "job_claims.h"
 #include "left_out.h"
 #include "result_file.h"
 #include "thermorig/core/error.h"
@@ -47,21 +46,10 @@ JobResult with_baselines(JobResult result, std::span<const Acquisition> acquisit
   return result;
 }
 
-void require_no_runner(const std::filesystem::path& folder) {
-  for (const std::filesystem::path& name : files::claimed_names(folder)) {
-    const files::ClaimSight claim = files::look_at_claim(name);
-    if (!is_held(claim)) continue;
-    throw Error(ExitCode::no_permission,
-                fmt::format("{} is running a job of this study", files::text_of(claim)), name.string(),
-                "wait until it has ended; if it is gone, run the study again, which takes its job over");
-  }
-}
-
 }  // namespace
 
 RenewedBaselines renew_baselines(const std::filesystem::path& folder,
                                  std::span<const Acquisition> acquisitions) {
-  require_no_runner(folder);
   std::vector<JobResult> renewed = read_results(folder);
   std::vector<bool> changed;
   for (JobResult& result : renewed) {

@@ -100,8 +100,6 @@ void make_results_folder(const fs::path& folder) {
 
 void remove_litter(const fs::path& folder) {
   std::error_code ignored;  // what cannot be removed is in nobody's way
-  for (const fs::path& name : files::claimed_names(folder))
-    if (fs::exists(fs::path(name) += result_extension, ignored)) files::remove_claim(name);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
     if (const auto left = files::left_part_of(entry.path()); left && left->extension() == result_extension)
       files::remove_unless_held(entry.path());

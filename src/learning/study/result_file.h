@@ -27,8 +27,7 @@ std::vector<std::filesystem::path> result_files(const std::filesystem::path& fol
 /// Throws Error(storage).
 void make_results_folder(const std::filesystem::path& folder);
 
-/// Removes what programs left behind when they were killed: claims of jobs that have a result, and results
-/// that a program of this machine had half written.
+/// Removes what programs of this machine had half written when they were killed.
 void remove_litter(const std::filesystem::path& folder);
 
 }  // namespace thermorig::study

@@ -6,6 +6,7 @@
 #include "checkpoint_bytes.h"
 #include "run_json.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/holder.h"
 #include "thermorig/io/files/whole_file.h"
 
 namespace thermorig::training {
@@ -16,7 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* description_name = "run.json";
 constexpr const char* checkpoint_name = "checkpoint.bin";
-constexpr const char* claim_name = "run";
 constexpr const char* metrics_name = "metrics.ndjson";
 constexpr std::size_t description_bytes_max = 4U << 20U;
 
@@ -33,9 +33,13 @@ nlohmann::json read_description(const fs::path& folder) {
   return *std::move(found);
 }
 
+/// Of two programs that do it one is refused.
 void make_folder(const fs::path& path) {
   std::error_code failure;
-  fs::create_directories(path, failure);
+  const fs::path folder = path.has_filename() ? path : path.parent_path();  // without a slash at its end
+  if (fs::exists(path, failure) || (!fs::create_directories(folder, failure) && !failure))
+    throw Error(ExitCode::bad_usage, "there is a run already", path.string(),
+                "--resume to go on with it, another --run-folder, or remove it");
   if (failure)
     throw Error(ExitCode::storage, "the run folder cannot be made: " + failure.message(), path.string(),
                 "choose another one with --run-folder");
@@ -51,37 +55,26 @@ std::string metrics_text(const Checkpoint& checkpoint, const TrainingConfig& con
   return text;
 }
 
-std::unique_ptr<files::BeatingClaim> claimed(const fs::path& folder, const files::ClaimTiming& timing) {
-  return std::make_unique<files::BeatingClaim>(
-      files::take_alone(folder / claim_name, "trains in this folder",
-                        "wait until it has ended, or another --run-folder without --resume", timing),
-      timing);
+std::unique_ptr<files::FileLock> locked(const fs::path& folder) {
+  const fs::path path = folder / description_name;
+  auto lock = std::make_unique<files::FileLock>(path, files::FileLock::Wait::no, files::real_disk());
+  if (lock->is_held()) return lock;
+  throw Error(ExitCode::no_permission, files::holder_of(path) + " trains in this folder", folder.string(),
+              "wait until it has ended, or another --run-folder without --resume");
 }
 
 }  // namespace
 
-RunFolder::RunFolder(fs::path path, const TrainingConfig& config, const files::ClaimTiming& timing)
-    : path_(std::move(path)), config_(config), claim_(claimed(path_, timing)) {}
-
-/// A claim that was given up stays: whoever has seen it stale could otherwise take it beside the next one.
-RunFolder::~RunFolder() {
-  std::error_code hidden;
-  if (claim_ && fs::exists(model_path(), hidden)) claim_->remove();
-}
+RunFolder::RunFolder(fs::path path, const TrainingConfig& config)
+    : path_(std::move(path)), config_(config), lock_(locked(path_)) {}
 
 RunFolder RunFolder::create(const fs::path& path, const RunDescription& description) {
-  std::error_code hidden;
-  if (fs::exists(path, hidden))
-    throw Error(ExitCode::bad_usage, "there is a run already", path.string(),
-                "--resume to go on with it, another --run-folder, or remove it");
   make_folder(path);
-  RunFolder folder(path, description.config, {});
   files::write_whole(path / description_name, json_text(to_json(description), 2), "the run's description");
-  return folder;
+  return RunFolder(path, description.config);
 }
 
-RunFolder RunFolder::reopen(const fs::path& path, const RunDescription& description,
-                            const files::ClaimTiming& timing) {
+RunFolder RunFolder::reopen(const fs::path& path, const RunDescription& description) {
   std::error_code hidden;
   if (!fs::exists(path / description_name, hidden))
     throw Error(ExitCode::bad_usage, "there is no run to go on with", path.string(),
@@ -91,7 +84,7 @@ RunFolder RunFolder::reopen(const fs::path& path, const RunDescription& descript
   if (!other.empty())
     throw Error(ExitCode::bad_usage, "the run was begun with something else: " + other, path.string(),
                 "the same arguments as then, or another --run-folder without --resume");
-  RunFolder folder(path, description.config, timing);
+  RunFolder folder(path, description.config);
   folder.read_checkpoint();
   return folder;
 }
@@ -111,9 +104,6 @@ double RunFolder::seconds() const {
 }
 
 void RunFolder::save(const Checkpoint& checkpoint, double seconds) {
-  if (claim_->is_taken_over())
-    throw Error(ExitCode::no_permission, "another program has taken this run over, as this one stood still",
-                path_.string(), "let that one go on");
   seconds_.resize(checkpoint.epochs.size(), seconds);
   Checkpoint timed = checkpoint;
   for (std::size_t i = 0; i < seconds_.size(); ++i) timed.epochs[i].seconds = seconds_[i];

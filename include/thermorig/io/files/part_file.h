@@ -21,6 +21,9 @@ using Advice = std::string (*)(int error_number);
 /// "free some space or choose another disk", ...: for files that can be written again.
 std::string usual_advice(int error_number);
 
+/// This machine's, as it stands in a part's name: letters, digits, '-', '_' and '.', at most 64.
+std::string host_name();
+
 /// What a file is called until it is whole: `<path>.<host>.<process>.part`, so that no two programs on
 /// machines that share a disk write the same one. This is the name of the calling one.
 std::filesystem::path part_path_of(const std::filesystem::path& path);

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/io/files/claim.h"
 #include "thermorig/learning/study/evaluation.h"
 #include "thermorig/learning/training/training.h"
 
@@ -103,8 +102,7 @@ std::optional<JobResult> run_job(const Job& job, std::span<const network::Acquis
 /// Computes the rows of the baselines() anew, which no training is behind, in all results of a folder, each
 /// replaced whole: which may be stopped and run again; all else stays as it is. `acquisitions` are those that
 /// the results were made of. Nothing is written if one of them cannot be renewed. Throws as read_results(),
-/// Error(bad_usage) if the acquisitions are others or have other windows than a result, and
-/// Error(no_permission), with who it is, while a program runs jobs there.
+/// and Error(bad_usage) if the acquisitions are others or have other windows than a result.
 struct RenewedBaselines {
   std::size_t results = 0;  // that there are
   std::size_t changed = 0;  // that say something else now
@@ -126,8 +124,6 @@ struct RunObserver {
   std::function<void(const Progress&)> started;     // once, when it is known what is left
   std::function<void(const Progress&)> epoch_done;  // of any job
   std::function<void(const Progress&)> job_done;
-  /// A job that another program holds, while nothing else is left to be done; once for each claim.
-  std::function<void(const Job&, const files::ClaimSight&)> held;
   std::function<bool()> stop;  // true: running jobs are given up, finished ones stay; asked by all workers
 };
 
@@ -135,27 +131,18 @@ struct RunObserver {
 /// tables as if they were of this study, Error(not_a_session) for a damaged result.
 void require_label(Label label, const std::filesystem::path& folder);
 
-/// Runs the jobs that have no result in `folder` yet, `workers` at a time, one thread each, and shares them
-/// with all programs that do the same, on this machine and others: each job is claimed (files/claim.h), and
-/// what another holds is waited for, or taken over once it is stale. A result is written to another name,
-/// synced and renamed: it is there whole or not at all, is never replaced, and a job that has one is not run
-/// again. Returns false if it was stopped; true: all these jobs have a result. Throws as require_label()
-/// before anything is trained, Error(storage) where results cannot be written.
+/// Those of the jobs that have no result in `folder`, in their order. Throws Error(not_a_session) for a
+/// damaged one.
+std::vector<Job> without_result(std::span<const Job> jobs, const std::filesystem::path& folder);
+
+/// Runs the jobs that have no result in `folder` yet, `workers` at a time, one thread each. A result is
+/// written to another name, synced and renamed: it is there whole or not at all, is never replaced, and a job
+/// that has one is not run again. So programs that run the same jobs in one folder, on this machine or
+/// others, do no harm but to their time: jobs are deterministic, and the first result stays. Returns false if
+/// it was stopped; true: all these jobs have a result. Throws as require_label() before anything is trained,
+/// Error(storage) where results cannot be written.
 bool run_jobs(std::span<const Job> jobs, std::span<const network::Acquisition> acquisitions,
-              const std::filesystem::path& folder, int workers, const RunObserver& observer = {},
-              const files::ClaimTiming& timing = {});
-
-enum class JobState : std::uint8_t { open, claimed, done };
-
-/// Where a job stands, as its folder shows it. A claim of this machine whose process has ended counts as
-/// open; whether one of another machine is stale shows only to a program that waits for it.
-struct JobStanding {
-  JobState state = JobState::open;
-  files::ClaimSight claim;  // of a job that is claimed
-};
-
-/// One for each job. Throws Error(not_a_session) for a damaged result.
-std::vector<JobStanding> standings_of(std::span<const Job> jobs, const std::filesystem::path& folder);
+              const std::filesystem::path& folder, int workers, const RunObserver& observer = {});
 
 /// The results in a folder (*.json), sorted by file name. Throws Error(not_a_session) for a file that is
 /// damaged, Error(bad_usage) for a folder without any, and for results of different data.

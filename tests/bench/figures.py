@@ -1,10 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""How what a script prints becomes the table of a document: LAYOUTS[name of the mark](what it printed), as Markdown.
+"""Called by figures.sh for each of its figures: NAME DOCUMENT COMMIT EXIT_CODE FILE, where FILE is what the script printed.
 
-What a layout gets is what the script prints with --json, read; where it is said, the text that it prints without. A mark
-without a layout has a script that prints Markdown itself. A key that is missing is a KeyError: then the script has changed.
+A layout makes Markdown of what a script prints: of its JSON, or of its text where that is said. Without a layout the script
+prints Markdown itself. A key that is missing is a KeyError: then the script has changed.
 """
+import json
+import pathlib
 import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+from wrap_documents import wrapped
 
 LAYOUTS = {}
 OF_TEXT = set()  # layouts that get text
@@ -38,8 +45,7 @@ def limits(rows):
 
 
 @layout("fault_table")
-def fault_table(both):
-    figures = both["thermorig"]
+def fault_table(figures):
     rows = [[line["fault"], f"{line['points']:,}", f"{line['clean']:,}", f"{line['loud']:,}", line["beyond"], line["silent"],
              f"{line['worst_loss_ms']:.0f}" if line["worst_loss_ms"] > 0 else ""] for line in figures["lines"]]
     most_ms = max(line["worst_loss_ms"] for line in figures["lines"])
@@ -50,13 +56,6 @@ def fault_table(both):
             f"{figures['recoveries']:,} of them\nrecovered to a session; {figures['took_s'] / 60:.0f} minutes.")
 
 
-@layout("plain_hdf5")
-def plain_hdf5(both):
-    keys = ["points", "good", "needs_flag", "short", "silent", "unreadable"]
-    return table(["plain HDF5", "points", "good", "flag", "short", "silent", "unreadable"],
-                 [[f"{line['mode']}, {line['fault']}", *(line[key] for key in keys)] for line in both["plain_hdf5"]])
-
-
 @layout("sync_cost")
 def sync_cost(lines):
     return table(["`--sync`", "syncs/s", "sync, median and worst ms", "oldest byte when its sync ended, ms",
@@ -64,35 +63,6 @@ def sync_cost(lines):
                  [[line["sync"], f"{line['syncs_per_s']:.1f}", f"{line['sync_p50_ms']:.2f}, {line['sync_worst_ms']:.1f}",
                    f"{line['oldest_byte_ms']:.0f}", f"{line['append_p50_us']:.1f}, {line['append_p99_us']:.0f}",
                    f"{line['cpu_percent']:.1f}"] for line in lines])
-
-
-@layout("coverage", of_text=True)
-def coverage(text):
-    rows = re.findall(r"^(\w+) +(\d+) +(\d+\.\d) %$", text, re.MULTILINE)
-    return table(["module", "lines", "run"], [[module, f"{int(lines):,}", f"{run} %"] for module, lines, run in rows])
-
-
-@layout("soak")
-def soak(line):
-    return table(["virtual time", "sessions", "finished", "a device did not come back", "refused before anything moved",
-                  "memory, start to end", "file handles"],
-                 [[f"{line['virtual_hours']:.0f} h", f"{line['sessions']:,}", f"{line['complete']:,}",
-                   f"{line['device_lost']:,}", f"{line['refused']:,}",
-                   f"{line['memory_mb_before']} -> {line['memory_mb_after']} MB",
-                   f"{line['handles_before']} -> {line['handles_after']}"]])
-
-
-@layout("drills")
-def drills(figures):
-    return table(["mishap", "command", "runs", "at rest after, at most"],
-                 [[row["mishap"], row["command"], row["runs"], f"{row['rest_ms_max']:.0f} ms"] for row in figures["rows"]], 2)
-
-
-@layout("fuzzers", of_text=True)
-def fuzzers(text):
-    rows = re.findall(r"^(\w+)_fuzzer: no finding in (\d+) s, (\d+) runs", text, re.MULTILINE)
-    return table(["fuzzer", "seconds", "runs", "findings"],
-                 [[name, seconds, f"{int(runs):,}", 0] for name, seconds, runs in sorted(rows)])
 
 
 @layout("live_latency")
@@ -115,13 +85,6 @@ def live_process(figures):
          "<=", 0),
         ("memory after 10 s", figures["resident_begin_mb"], "{:.1f} MB", None, None),
         (f"memory after {figures['seconds'] + 10:.0f} s", figures["resident_end_mb"], "{:.1f} MB", None, None)])
-
-
-@layout("live_page")
-def live_page(figures):
-    return limits([("the page's files, gzipped", figures["page_gzip_bytes"], "{:,} bytes", "<=", 100_000),
-                   ("first paint, median of five loads", figures["first_paint_median_ms"], "{} ms", None, None),
-                   ("first paint, greatest of five loads", figures["first_paint_max_ms"], "{} ms", "<=", 1000)])
 
 
 @layout("network_speeds")
@@ -184,28 +147,6 @@ def network_differences(figures):
         ("the same: thermal", figures["fp16_thermal_difference_dps"], "{:.3f} deg/s", "<=", 0.1)])
 
 
-@layout("network_training")
-def network_training(figures):
-    return table(["one training, 40 epochs, one core", "seconds"], [
-        ["51,561 windows, from the measured step", f"{figures['training_of_40_epochs_s']:.0f}"],
-        ["really, `thermorig train --preset paper --threads 1`, 18 simulated acquisitions, reading included",
-         f"{figures['real_training_of_40_epochs_s']:.0f}"]])
-
-
-@layout("int8_cost")
-def int8_cost(figures):
-    def row(shape, name):
-        thermal_only = name.endswith("thermal")
-        rmse = "{fusion}{thermal:.2f} deg/s".format(
-            fusion="" if thermal_only else f"{figures[name + '_fusion_rmse_dps']:.2f} / ",
-            thermal=figures[name + "_thermal_rmse_dps"])
-        fusion = "" if thermal_only else f"{figures[name + '_fusion_int8_mse_percent']:+.1f} %"
-        return [shape, rmse, fusion, f"{figures[name + '_thermal_int8_mse_percent']:+.1f} %"]
-    return table(["Nf, Nr", "RMSE float32, fusion / thermal", "MSE with int8, fusion", "MSE with int8, thermal"], [
-        row("3, 1 (`docs/models/best.onnx`)", "best"), row("3, 2", "nf3_nr2"), row("3, 3", "nf3_nr3"),
-        row("3, 1, thermal-only", "nf3_nr1_thermal")])
-
-
 @layout("export_sizes", of_text=True)
 def export_sizes(text):
     line = re.compile(r"^(Cortex\S+) +Nf 3, Nr (\d), (\w+) *: flash (\d+) B, RAM (\d+) B and (\d+) B of stack, "
@@ -240,22 +181,6 @@ def few_digits(value):
     return f"{value:,.0f}" if abs(value) >= 99.5 else f"{value:.3g}"
 
 
-@layout("study_baselines")
-def study_baselines(figures):
-    columns = ["MSE", "RMSE, shaft", "beyond 30 deg/s", "within 1 sigma", "within 2 sigma", "drift", "angle", "drift, 30 s on",
-               "angle, 30 s on", "worst, 30 s on", "trusted", "time"]
-    def row(where, estimator):
-        cells = [figures[key_of(where, estimator, column)]["value"] for column in columns]
-        cells.append(figures[key_of("memory", estimator)]["value"])
-        return [where.replace(" gyro", "").replace(" environments", " 18"), f"`{estimator}`", *map(few_digits, cells)]
-    return table(["gyro", "estimator", "MSE, 1e-6", "RMSE, shaft, deg/s", "beyond 30 deg/s, %", "1 sigma", "2 sigma",
-                  "drift, deg/min", "largest angle, deg", "drift from 30 s on", "largest angle from 30 s on", "of all",
-                  "trusted, %", "us a frame", "kB"],
-                 [row(f"{gyro} gyro, {where}", estimator) for gyro in ("raw", "calibrated")
-                  for where in ("garden", "all environments")
-                  for estimator in ("gyro", "gyro-rest", "gyro-kalman", "odometer", "thermal-likelihood")], 2)
-
-
 @layout("map_table")
 def map_table(figures):
     columns = ["recognised", "tracks after, median", "longest", "first angle, worst", "any angle, worst"]
@@ -269,56 +194,6 @@ def map_table(figures):
                for environment in environments]
     return table(["second session", "recognised, %", "tracks after, s", "longest, s", "first angle, worst, deg",
                   "any angle, worst, deg"], honest + typical)
-
-
-@layout("export_odometer_angles")
-def export_odometer_angles(figures):
-    starts = {"in motion": "in_motion", "at rest": "at_rest"}
-
-    def of_all(start, column, shown):
-        median, most = (figures[f"All_of_them_{start}_{column}__{which}"]["value"] for which in ("median", "most"))
-        return f"{median:{shown}}, {most:{shown}}"
-
-    def of_each(start, column, shown):
-        values = sorted(figure["value"] for key, figure in figures.items()
-                        if key.startswith("Against") and key.endswith(f"__{start}_{column}") and figure["value"] is not None)
-        return f"{values[len(values) // 2]:{shown}}, {values[-1]:{shown}}"
-    rows = [("tracks after, s", of_all, "tracks_after", ".0f"),
-            ("the product's odometer, s", of_each, "product__tracks_after", ".0f"),
-            ("largest angle error since it tracks, from 30 s on, deg", of_all, "worst_angle", ".2f"),
-            ("the product's odometer, deg", of_all, "product_s_worst_angle", ".2f"),
-            ("spread about its mean, deg", of_each, "spread", ".2f"),
-            ("drift, deg/min", of_each, "drift", ".3f"),
-            ("largest distance of both odometers, deg", of_all, "from_the_product_s", ".2f")]
-    return table(["median, worst", *(f"started {start}" for start in starts)],
-                 [[name, *(of(start, column, shown) for start in starts.values())] for name, of, column, shown in rows])
-
-
-def sections(text, *names):
-    """Those of a report that has headings of the third level, in the order asked for."""
-    parts = re.split(r"^### (.*)\n", re.sub(r"^\d+ of \d+ figures .*\n", "", text, flags=re.MULTILINE), flags=re.MULTILINE)
-    found = dict(zip(parts[1::2], parts[2::2]))
-    return "\n\n".join(f"### {name}\n\n{found[name].strip()}" for name in names)
-
-
-@layout("odometer", of_text=True)
-def odometer(text):
-    return sections(text, "Honest world", "Honest world, all")
-
-
-@layout("odometer_stresses", of_text=True)
-def odometer_stresses(text):
-    return sections(text, "Stresses")
-
-
-@layout("odometer_hour", of_text=True)
-def odometer_hour(text):
-    return sections(text, "An hour")
-
-
-@layout("odometer_typical", of_text=True)
-def odometer_typical(text):
-    return sections(text, "World typical", "World typical, all")
 
 
 @layout("models")
@@ -336,3 +211,43 @@ def models(reports):
 def study(report):
     """The report without its title, its headings below those of the page."""
     return re.sub(r"^## ", "### ", report.split("\n", 1)[1].strip(), flags=re.MULTILINE)
+
+
+def body_of(name, printed):
+    """The Markdown of a table. Throws ValueError or KeyError where the script printed something else."""
+    if name in LAYOUTS:
+        body = LAYOUTS[name](printed if name in OF_TEXT else json.loads(printed))
+    else:
+        body = printed
+    if "\n| ---" not in body or re.search(r"---:? \|$", body.rstrip()):
+        raise ValueError("it printed no table")
+    return wrapped(body).strip()
+
+
+def main(name, document, commit, code, path):
+    """A script ends with 1 also where a figure does not meet what it must: the table then says so, and is as good as any."""
+    page = ROOT / document
+    text, printed = page.read_text(encoding="utf-8"), pathlib.Path(path).read_text(encoding="utf-8")
+    mark = re.search(rf"<!-- (table|figures) {name}, commit [0-9a-f]+ -->\n", text)
+    if mark is None:
+        return f"{document} has no mark of {name}"
+    if code not in ("0", "1"):
+        return f"{document}: {name}: left as it was, exit code {code}"
+    remark = " (exit code 1: a figure is not what it must be)" if code == "1" else ""
+    begin = f"<!-- {mark[1]} {name}, commit {commit} -->\n"
+    if mark[1] == "figures":
+        page.write_text(text[:mark.start()] + begin + text[mark.end():], encoding="utf-8")
+        print(f"{document}: {name}: correct the sentences below its mark by build/figures/{name}.txt{remark}")
+        return None
+    try:
+        end = text.index(f"<!-- end of table {name} -->", mark.end())
+        body = body_of(name, printed)
+    except (ValueError, KeyError) as error:
+        return f"{document}: {name}: left as it was: {error!r}; see build/figures/{name}.txt"
+    page.write_text(f"{text[:mark.start()]}{begin}\n{body}\n\n{text[end:]}", encoding="utf-8")
+    print(f"{document}: {name}: written{remark}")
+    return None
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
