@@ -6,17 +6,13 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
-#include <optional>
 
 #include "thermorig/io/spill/spill.h"
 
 namespace thermorig::spill {
 
-/// Large blocks of memory, some of them mapped from files. While there are such, each thread that has made
-/// one is interrupted four times a millisecond, looks how many pages of files are in memory, and gives those
-/// of the blocks back to the system if they are too many: a file's page that is given back is not lost, the
-/// next look at it finds it in its file. What this needs for itself are small blocks: `new` and `delete` of a
-/// thread that is inside must not ask here again. Never destroyed.
+/// Large blocks of memory, some of them mapped from files. What this needs for itself are small blocks. Never
+/// destroyed.
 class Blocks {
  public:
   void configure(const std::filesystem::path& near, const Limits& limits);
@@ -30,9 +26,7 @@ class Blocks {
 
   std::size_t on_disk_bytes();
 
-  void limit_resident();
-
-  /// Whether this thread is in one of these functions.
+  /// Whether this thread is in one of these functions, whose own blocks are small ones.
   static bool is_inside();
 
  private:
@@ -40,12 +34,7 @@ class Blocks {
     std::size_t bytes = 0;
     bool is_on_disk = false;
   };
-
-  std::optional<std::size_t> forget(void* at);
-  void* map_file(std::size_t bytes) const;
-  void be_interrupted();
-  void look();
-  void give_back();
+  class Inside;
 
   std::mutex mutex_;
   std::filesystem::path near_;
@@ -54,8 +43,6 @@ class Blocks {
   std::map<void*, Block> blocks_;
   std::size_t in_memory_bytes_ = 0;
   std::size_t on_disk_bytes_ = 0;
-  std::size_t of_others_ = 0;  // mapped pages that were left when those of the blocks were given back
-  int statm_ = -1;
 };
 
 /// Those of the program.

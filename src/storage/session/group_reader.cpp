@@ -10,7 +10,6 @@
 
 #include "attributes.h"
 #include "chunk_decoder.h"
-#include "row_parts.h"
 
 namespace thermorig::session {
 
@@ -187,7 +186,7 @@ std::uint32_t GroupReader::read_chunks(const Table& table, hid_t type, Range ran
             "read " + table.path + ": a chunk is damaged");
     }
     crc = libdeflate_crc32(crc, buffer.data(), count[0] * table.row_bytes);
-    in_parts(start[0], count[0], buffer.data(), table.row_bytes, take);
+    take(start[0], count[0], buffer.data());
   }
   return crc;
 }

@@ -21,6 +21,7 @@
 
 #include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
+#include "thermorig/io/spill/spill.h"
 #include "thermorig/storage/session/trial.h"
 
 namespace thermorig::session {
@@ -106,6 +107,7 @@ void take_signals() {
 [[noreturn]] void be_child(int answer, const StoredFile& file, const std::function<void()>& read) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   take_signals();
+  spill::arrays_in_memory();
   limit_resources(file);
   filter_calls(answer);
   try {
