@@ -4,6 +4,10 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <mutex>
 #include <new>
 
 #include "blocks.h"
@@ -13,23 +17,39 @@ namespace thermorig::spill {
 
 namespace {
 
-thread_local bool inside = false;
+constexpr std::uintptr_t within_page = 4095;
 
-/// The mapping keeps the file, which needs no descriptor. Nothing: no disk has the room.
-void* map_file(const std::filesystem::path& near, std::size_t bytes) {
-  const int file = files::open_unlinked(near, bytes);
-  if (file < 0) return nullptr;
-  void* const at = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-  ::close(file);
-  return at == MAP_FAILED ? nullptr : at;
+std::atomic<bool> is_on = false;
+std::atomic<std::size_t> array_bytes = 0;
+
+struct Block {
+  std::size_t bytes = 0;
+  bool is_on_disk = false;
+};
+
+/// Whoever has the lock.
+struct Blocks {
+  std::mutex mutex;
+  std::filesystem::path near;
+  std::size_t most_in_memory_bytes = 0;
+  std::map<void*, Block> all;
+  std::size_t in_memory_bytes = 0;
+  std::size_t on_disk_bytes = 0;
+};
+
+/// Never destroyed: the last `delete` of the program may come after everything else.
+Blocks& blocks() {
+  alignas(Blocks) static std::byte place[sizeof(Blocks)];
+  static Blocks* const made = ::new (place) Blocks;
+  return *made;
 }
 
-}  // namespace
+thread_local bool inside = false;
 
-/// Holds the lock, and says that this thread is inside.
-class Blocks::Inside {
+/// Holds the lock, and says that this thread is inside: what is made and freed there are small blocks.
+class Inside {
  public:
-  explicit Inside(std::mutex& mutex) : lock_((inside = true, mutex)) {}
+  Inside() : lock_((inside = true, blocks().mutex)) {}
   ~Inside() {
     lock_.unlock();
     inside = false;
@@ -41,52 +61,58 @@ class Blocks::Inside {
   std::unique_lock<std::mutex> lock_;
 };
 
-/// The last `delete` of the program may come after everything else.
-Blocks& blocks() {
-  alignas(Blocks) static std::byte place[sizeof(Blocks)];
-  static Blocks* const all = ::new (place) Blocks;
-  return *all;
+void* mapped(std::size_t bytes, int flags, int file) {
+  void* const at = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, flags, file, 0);
+  return at == MAP_FAILED ? nullptr : at;
 }
 
-void Blocks::configure(const std::filesystem::path& near, const Limits& limits) {
-  const Inside lock(mutex_);
-  near_ = near;
-  limits_ = limits;
-  array_bytes_ = limits.array_bytes;
-}
-
-bool Blocks::is_inside() {
-  return inside;
-}
-
-void* Blocks::allocate(std::size_t bytes) {
-  const Inside lock(mutex_);
-  void* at = in_memory_bytes_ + bytes > limits_.in_memory_bytes ? map_file(near_, bytes) : nullptr;
-  const bool is_on_disk = at != nullptr;
-  if (!is_on_disk) at = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (at == MAP_FAILED) return nullptr;
-  blocks_.emplace(at, Block{bytes, is_on_disk});
-  (is_on_disk ? on_disk_bytes_ : in_memory_bytes_) += bytes;
+/// The mapping keeps the file, which needs no descriptor. Nothing: no disk has the room.
+void* map_file(const std::filesystem::path& near, std::size_t bytes) {
+  const int file = files::open_unlinked(near, bytes);
+  if (file < 0) return nullptr;
+  void* const at = mapped(bytes, MAP_SHARED, file);
+  ::close(file);
   return at;
 }
 
-bool Blocks::release(void* at) {
-  const Inside lock(mutex_);
-  const auto found = blocks_.find(at);
-  if (found == blocks_.end()) return false;
-  (found->second.is_on_disk ? on_disk_bytes_ : in_memory_bytes_) -= found->second.bytes;
+}  // namespace
+
+bool is_large(std::size_t bytes) {
+  return is_on && bytes >= array_bytes;
+}
+
+void* map_block(std::size_t bytes) {
+  const Inside lock;
+  Blocks& own = blocks();
+  const bool is_full = own.in_memory_bytes + bytes > own.most_in_memory_bytes;
+  void* at = is_full ? map_file(own.near, bytes) : nullptr;
+  const bool is_on_disk = at != nullptr;
+  if (!is_on_disk) at = mapped(bytes, MAP_PRIVATE | MAP_ANONYMOUS, -1);
+  if (at == nullptr) return nullptr;
+  own.all.emplace(at, Block{bytes, is_on_disk});
+  (is_on_disk ? own.on_disk_bytes : own.in_memory_bytes) += bytes;
+  return at;
+}
+
+/// Mapped blocks begin with a page; few others do.
+bool unmap_block(void* at) {
+  if (!is_on || at == nullptr || (reinterpret_cast<std::uintptr_t>(at) & within_page) != 0 || inside)
+    return false;
+  const Inside lock;
+  Blocks& own = blocks();
+  const auto found = own.all.find(at);
+  if (found == own.all.end()) return false;
+  (found->second.is_on_disk ? own.on_disk_bytes : own.in_memory_bytes) -= found->second.bytes;
   ::munmap(at, found->second.bytes);
-  blocks_.erase(found);
+  own.all.erase(found);
   return true;
 }
 
-std::size_t Blocks::on_disk_bytes() {
-  const Inside lock(mutex_);
-  return on_disk_bytes_;
-}
-
 void arrays_near(const std::filesystem::path& near, const Limits& limits) {
-  blocks().configure(near, limits);
+  const Inside lock;
+  blocks().near = near;
+  blocks().most_in_memory_bytes = limits.in_memory_bytes;
+  array_bytes = limits.array_bytes;
   is_on = true;
 }
 
@@ -95,7 +121,8 @@ void arrays_in_memory() {
 }
 
 std::size_t spilled_bytes() {
-  return blocks().on_disk_bytes();
+  const Inside lock;
+  return blocks().on_disk_bytes;
 }
 
 }  // namespace thermorig::spill
