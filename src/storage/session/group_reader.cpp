@@ -9,7 +9,6 @@
 #include <numeric>
 
 #include "attributes.h"
-#include "chunk_decoder.h"
 
 namespace thermorig::session {
 
@@ -173,18 +172,15 @@ std::uint32_t GroupReader::read_chunks(const Table& table, hid_t type, Range ran
   const Handle space(H5Dget_space(source.dataset.get()), "read " + table.path);
   std::vector<hsize_t> start(source.dims.size(), 0);
   std::vector<hsize_t> count = source.dims;
-  ChunkDecoder decoder(source.dataset.get(), source.dims, source.chunk, table.row_bytes);
   std::uint32_t crc = 0;
   for (start[0] = range.begin; start[0] < range.end; start[0] += count[0]) {
     count[0] = std::min<hsize_t>(step - start[0] % step, range.end - start[0]);
-    if (!decoder.read(start[0], count[0], buffer.data())) {
-      const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
-                          "read " + table.path);
-      check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
-            "read " + table.path);
-      check(H5Dread(source.dataset.get(), type, memory.get(), space.get(), H5P_DEFAULT, buffer.data()),
-            "read " + table.path + ": a chunk is damaged");
-    }
+    const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
+                        "read " + table.path);
+    check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+          "read " + table.path);
+    check(H5Dread(source.dataset.get(), type, memory.get(), space.get(), H5P_DEFAULT, buffer.data()),
+          "read " + table.path + ": a chunk is damaged");
     crc = libdeflate_crc32(crc, buffer.data(), count[0] * table.row_bytes);
     take(start[0], count[0], buffer.data());
   }

@@ -36,7 +36,7 @@ constexpr bool is_sanitized = false;
 
 constexpr std::uint64_t memory_bytes = 1ULL << 30U;  // for any session ...
 constexpr std::uint64_t memory_per_byte = 24;        // ... and more for the rows of a large one
-constexpr std::uint64_t least_cpu_s = 10;
+constexpr std::uint64_t least_cpu_s = 5;
 constexpr std::uint64_t bytes_per_cpu_s = 1U << 18U;  // a slow computer reads a hundred times that
 constexpr std::uint64_t wall_per_cpu = 12;            // a machine may be busy with other things
 constexpr std::size_t answer_bytes_max = 1U << 16U;   // as much as a pipe holds
@@ -95,7 +95,8 @@ void filter_calls(int answer) {
   seccomp_load(filter);
 }
 
-/// A Ctrl-C is the program's: the child ends with it. What limits time must end the child.
+/// A Ctrl-C is the program's: the child ends with it. What limits time must end the child. All signals are
+/// blocked when it is born.
 void take_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP}) std::signal(signal, SIG_IGN);
   for (const int signal : {SIGXCPU, SIGALRM}) std::signal(signal, SIG_DFL);
@@ -162,8 +163,12 @@ Trial::Trial(const StoredFile& file, const std::function<void()>& read) : file_(
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) no_child_possible();
   answer_ = files::Descriptor(ends[0]);
   const files::Descriptor to_write(ends[1]);
+  sigset_t all, before;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
   child_ = ::fork();
   if (child_ == 0) be_child(to_write.get(), file, read);
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (child_ < 0) no_child_possible();
 }
 
