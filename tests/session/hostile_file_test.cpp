@@ -310,6 +310,12 @@ TEST_F(TrialOfAFile, GoesOnWhenTheTerminalInterrupts) {
   EXPECT_NO_THROW(trial.require_good());
 }
 
+TEST_F(TrialOfAFile, IsNotBelievedGoodWhereItsEndIsUnknown) {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);  // the system then tells nobody how children end
+  EXPECT_THAT(refusal_of([] {}), HasSubstr("damaged or hostile"));
+  std::signal(SIGCHLD, before);
+}
+
 TEST_F(TrialOfAFile, MayBeMadeByManyThreadsAtOnce) {
   write_session(path("whole.h5"), synthetic_session(12));
   EXPECT_EQ(in_a_program([&] {

@@ -151,6 +151,7 @@ std::string end_of(int status) {
 }  // namespace
 
 void try_sessions_first() {
+  std::signal(SIGCHLD, SIG_DFL);  // who was told to ignore it never learns how a child ended
   is_on = true;
 }
 
@@ -179,8 +180,10 @@ Trial::~Trial() {
 }
 
 void Trial::end() {
-  while (::waitpid(child_, &status_, 0) < 0 && errno == EINTR) {
-  }
+  pid_t ended = -1;
+  do ended = ::waitpid(child_, &status_, 0);
+  while (ended < 0 && errno == EINTR);
+  if (ended < 0) status_ = SIGKILL;  // nobody knows
   child_ = -1;
 }
 
