@@ -18,7 +18,6 @@
 #include "print/output.h"
 #include "thermorig/core/error.h"
 #include "thermorig/storage/session/trial.h"
-#include "thermorig/storage/view/session_view.h"
 
 namespace {
 
@@ -47,8 +46,7 @@ int run(int argc, const char* const* argv) {
     app::write_to(stdout, line.help);
     return static_cast<int>(ExitCode::ok);
   }
-  // Now, while there is one thread. Whatever a command reads of sessions may come from others.
-  if (!std::holds_alternative<app::VersionOptions>(*line.command)) session::try_sessions_first(view::tasks());
+  session::try_sessions_first();  // whatever a command reads of sessions may come from others
   return static_cast<int>(std::visit([](const auto& options) { return app::run(options); }, *line.command));
 }
 

@@ -26,9 +26,9 @@ struct Inspected {
 Inspected inspect(const std::filesystem::path& path) {
   refuse_journal(path);
   spill::arrays_near(path);
-  const sandbox::SealedCopy copy(path);
-  session::Overview overview = session::read_overview(copy);
-  return {std::move(overview), session::altered_attributes(copy)};
+  const session::StoredFile file(path);
+  session::Overview overview = session::read_overview(file);
+  return {std::move(overview), session::altered_attributes(file)};
 }
 
 std::string words_of(const std::filesystem::path& path, const Inspected& inspected, bool timing) {

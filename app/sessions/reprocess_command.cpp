@@ -36,7 +36,7 @@ State state_of(const session::Session& session, session::Quality quality) {
 }
 
 State state_before(const std::filesystem::path& path) {
-  auto [session, quality] = session::read_overview(sandbox::SealedCopy(path));
+  auto [session, quality] = session::read_overview(session::StoredFile(path));
   return state_of(session, std::move(quality));
 }
 

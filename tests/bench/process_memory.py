@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Memory of a process and its children together, by the system's count: what they hold for themselves, mapped pages of
-files, and files that lie in memory, mapped or not. What two of them share counts twice: it is an upper bound. Pages of
-files on disks the system takes back when memory runs short; all else is held."""
+files, and files that lie in memory, mapped or not. What a child that was forked off shares with its parent is its parent's.
+Pages of files on disks the system takes back when memory runs short; all else is held."""
 import collections
 import os
 import pathlib
@@ -29,6 +29,12 @@ def status_kb(pid, *names):
     return [int(lines[name].split()[0]) for name in names if name in lines]  # one that has ended has none
 
 
+def private_kb(pid):
+    """What it shares with nobody."""
+    lines = pathlib.Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+    return [int(line.split()[1]) for line in lines if line.startswith("Private_Dirty")]
+
+
 Memory = collections.namedtuple("Memory", "all held")
 Run = collections.namedtuple("Run", "all_mb held_mb seconds code")
 
@@ -48,7 +54,7 @@ def memory_kb(pid):
     own, of_files, in_memory = 0, 0, {}
     for one in tree_of(pid):
         try:
-            own += sum(status_kb(one, "RssAnon"))
+            own += sum(status_kb(one, "RssAnon") if one == pid else private_kb(one))
             of_files += sum(status_kb(one, "RssFile"))
             in_memory.update(files_in_memory(one))
         except OSError:

@@ -14,6 +14,7 @@
 #include "fuzz_require.h"
 #include "session/synthetic_session.h"
 #include "storage/session/session_image.h"
+#include "support/stored_bytes.h"
 #include "thermorig/storage/session/session.h"
 
 namespace {
@@ -163,9 +164,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   FuzzScript script(data, size);
   const Bytes bytes = edited(script);
-  const sandbox::SealedCopy copy(std::as_bytes(std::span(bytes)), "fuzz");
+  const session::StoredFile file = tests::stored_bytes(bytes, "fuzz");
   test::read_or_refuse(ExitCode::not_a_session, [&] {
-    const session::Session read = session::read_session(copy);
+    const session::Session read = session::read_session(file);
     fuzz_require(read.samples.size() <= 100'000);
     session::quality_of(read);
   });

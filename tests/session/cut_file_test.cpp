@@ -35,7 +35,7 @@ class CutFile : public InTemporaryFolder {
     return path("cut.h5");
   }
 
-  Salvaged left_of(std::size_t bytes) const { return salvage(sandbox::SealedCopy(cut(bytes))); }
+  Salvaged left_of(std::size_t bytes) const { return salvage(StoredFile(cut(bytes))); }
 
   Session session_ = SyntheticSession(900, 1).take();
   std::vector<char> whole_;
@@ -64,9 +64,9 @@ TEST_F(CutFile, SaysHowMuchOfItIsThere) {
                                            count_text(whole_.size()) + " bytes are there");
       EXPECT_THAT(error.advice(), HasSubstr("thermorig recover"));
     }
-    EXPECT_TRUE(is_cut_short(sandbox::SealedCopy(cut(bytes))));
+    EXPECT_TRUE(is_cut_short(StoredFile(cut(bytes))));
   }
-  EXPECT_FALSE(is_cut_short(sandbox::SealedCopy(path("whole.h5"))));
+  EXPECT_FALSE(is_cut_short(StoredFile(path("whole.h5"))));
 }
 
 TEST_F(CutFile, HasAllRawBytesInItsFirstPartAndWhatWasSaidOfIt) {
@@ -112,7 +112,7 @@ TEST_F(CutFile, ThatClaimsToBeFarLargerIsRefused) {
   std::vector<char> bytes(whole_.begin(), whole_.begin() + 5'000);
   bytes[44] = 3;  // of the stated end: 12 GiB
   write_file(path("cut.h5"), bytes);
-  EXPECT_THROW(salvage(sandbox::SealedCopy(path("cut.h5"))), Error);
+  EXPECT_THROW(salvage(StoredFile(path("cut.h5"))), Error);
 }
 
 TEST_F(CutFile, IsNoneAfterItWasPackedByAnotherProgram) {

@@ -4,7 +4,7 @@
 
 #include "storage/session/session_image.h"
 #include "storage/session/stored_attributes.h"
-#include "storage/session/tasks.h"
+#include "storage/session/trial.h"
 #include "support/other_program.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
@@ -19,7 +19,7 @@ using FalsifiedSession = InTemporaryFolder;
 
 std::string refusal_of(const std::filesystem::path& path) {
   try {
-    read_for_nothing(sandbox::SealedCopy(path));
+    require_readable(StoredFile(path));
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::not_a_session) << path;
     EXPECT_EQ(error.where(), path.string());
@@ -81,10 +81,10 @@ TEST_F(FalsifiedSession, IsRefusedAndSaysWhatIsWrong) {
       {"altered_units", "/gyro/rate@units"},    {"altered_type", "/quality@frames"},
       {"removed", "/servo/state@flag_meanings"}};
   for (const auto& [kind, attribute] : altered)
-    EXPECT_THAT(altered_attributes(sandbox::SealedCopy(path(std::string(kind) + ".h5"))),
+    EXPECT_THAT(altered_attributes(StoredFile(path(std::string(kind) + ".h5"))),
                 testing::ElementsAre(attribute))
         << kind;
-  EXPECT_THAT(altered_attributes(sandbox::SealedCopy(path("added.h5"))), testing::IsEmpty());
+  EXPECT_THAT(altered_attributes(StoredFile(path("added.h5"))), testing::IsEmpty());
 }
 
 TEST_F(FalsifiedSession, NamesEveryAttributeThatIsMissing) {

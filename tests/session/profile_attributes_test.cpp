@@ -69,7 +69,7 @@ TEST_F(SessionProfile, OfFormat1ComesBackWithEveryField) {
   write_format_1(path(), session);
   EXPECT_EQ(difference(session, read_session(path())), "");
   EXPECT_EQ(tests::difference(read_session(path()).raw.header.profile, session.raw.header.profile), "");
-  EXPECT_THAT(altered_attributes(sandbox::SealedCopy(path())), IsEmpty());
+  EXPECT_THAT(altered_attributes(StoredFile(path())), IsEmpty());
 }
 
 TEST_F(SessionProfile, OfFormat1IsMovedWhenTheSessionIsReplaced) {

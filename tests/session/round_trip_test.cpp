@@ -11,6 +11,7 @@
 #include "replace_session.h"
 #include "storage/session/session_image.h"
 #include "support/as_nobody.h"
+#include "support/stored_bytes.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
@@ -180,7 +181,7 @@ TEST_F(SessionFile, ChecksWhatItWroteAgainstWhatWasMeant) {
   SessionImage image = build_image(synthetic_session(150), 2);
   std::vector<std::byte> written(image.bytes.begin(), image.bytes.end());
   image.release();
-  const auto check = [&] { check_written(sandbox::SealedCopy(written, "written"), image); };
+  const auto check = [&] { check_written(tests::stored_bytes(written, "written"), image); };
   EXPECT_NO_THROW(check());
   const std::size_t step = written.size() / 97;
   for (std::size_t at = 0; at < written.size(); at += step) {

@@ -65,7 +65,7 @@ TEST_F(StockReader, MayAddAttributesThatStayWhenTheSessionIsReplaced) {
   ASSERT_EQ(added.code, 0) << added.text;
   for (const int seed : {2, 3}) {
     replace_session(path(), synthetic_session(20, seed));
-    EXPECT_THAT(altered_attributes(sandbox::SealedCopy(path())), testing::IsEmpty());
+    EXPECT_THAT(altered_attributes(StoredFile(path())), testing::IsEmpty());
     const tests::Printed output = tests::run_script("session/added_attributes.py check " + path().string());
     EXPECT_EQ(output.code, 0) << output.text;
   }

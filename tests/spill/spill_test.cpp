@@ -2,11 +2,12 @@
 #include "thermorig/io/spill/spill.h"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
-#include <csignal>
 #include <cstdint>
-#include <fstream>
 #include <numeric>
 #include <thread>
 #include <vector>
@@ -23,7 +24,7 @@ class Spill : public session::InTemporaryFolder {
  protected:
   void SetUp() override {
     InTemporaryFolder::SetUp();
-    arrays_near(path(), {.array_bytes = mebibyte, .in_memory_bytes = 4 * mebibyte, .resident_bytes = 1});
+    arrays_near(path(), {.array_bytes = mebibyte, .in_memory_bytes = 4 * mebibyte});
   }
 };
 
@@ -48,12 +49,11 @@ TEST_F(Spill, LeavesNoNameInTheFolder) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
-// Pages are given back all the time: more than one byte of them is too many.
 TEST_F(Spill, KeepsValuesWhosePagesWereGivenBack) {
   std::vector<std::uint32_t> numbers(4 * mebibyte);
   for (int round = 0; round < 5; ++round) {
     std::iota(numbers.begin(), numbers.end(), static_cast<std::uint32_t>(round));
-    std::this_thread::yield();
+    ::madvise(numbers.data(), numbers.size() * sizeof numbers[0], MADV_DONTNEED);  // as the system does
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < numbers.size(); ++i)
       wrong += numbers[i] != i + static_cast<std::uint32_t>(round);
@@ -72,27 +72,17 @@ TEST_F(Spill, TellsItsOwnBlocksFromArraysThatAreMapped) {
   EXPECT_EQ(spilled_bytes(), 0U);
 }
 
-/// Whether the page at `at` is mapped: the highest of the 64 bits that the system tells of it.
-bool is_mapped(const std::uint8_t* at) {
-  constexpr std::uint64_t page_bytes = 4096;
-  std::ifstream pages("/proc/self/pagemap", std::ios::binary);
-  pages.seekg(static_cast<std::streamoff>(reinterpret_cast<std::uintptr_t>(at) / page_bytes * 8));
-  std::uint64_t page = 0;
-  pages.read(reinterpret_cast<char*>(&page), sizeof page);
-  return (page >> 63U) != 0;
-}
-
-TEST_F(Spill, GivesPagesBackWhateverItsThreadDoesEvenIfThatWasToldToTakeNoSignals) {
-  std::thread([] {
-    sigset_t all;
-    sigfillset(&all);
-    ASSERT_EQ(::pthread_sigmask(SIG_SETMASK, &all, nullptr), 0);
-    Bytes bytes(8 * mebibyte);
-    bytes[0] = 5;
-    while (is_mapped(bytes.data())) {  // nothing here asks for it
-    }
-    EXPECT_EQ(bytes[0], 5);
-  }).join();
+TEST_F(Spill, LeavesArraysOfAForkedProcessToItself) {
+  Bytes bytes(8 * mebibyte, 1);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    arrays_in_memory();
+    const Bytes own(8 * mebibyte, 2);
+    ::_exit(spilled_bytes() == bytes.size() && own.back() == 2 ? 0 : 1);
+  }
+  int status = 1;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
 }
 
 TEST_F(Spill, TakesArraysOfSeveralThreads) {
@@ -114,16 +104,6 @@ TEST_F(Spill, LeavesArraysInMemoryWhereNoFileMayBeSoLarge) {
   const Bytes bytes(8 * mebibyte, 1);
   EXPECT_EQ(spilled_bytes(), 0U);
   EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
-}
-
-TEST(EveryBytes, AreDueAgainAndAgain) {
-  EveryBytes four(4);
-  for (int round = 0; round < 3; ++round) {
-    EXPECT_FALSE(four.is_due_after(3));
-    EXPECT_TRUE(four.is_due_after(1));
-  }
-  EXPECT_TRUE(four.is_due_after(9));  // what is too much is not owed
-  EXPECT_FALSE(four.is_due_after(3));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "support/stored_bytes.h"
 #include "thermorig/core/error.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/storage/journal/journal.h"
@@ -56,7 +57,7 @@ std::string what_is_wrong(const RawRecording& raw, const RecordedSession& truth)
 }
 
 session::Session read_image(const Bytes& bytes, const fs::path& path) {
-  return session::read_session(sandbox::SealedCopy(std::as_bytes(std::span(bytes)), path));
+  return session::read_session(tests::stored_bytes(std::as_bytes(std::span(bytes)), path));
 }
 
 Bytes bytes_of(files::Disk& disk, const fs::path& path) {

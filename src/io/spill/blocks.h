@@ -1,67 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <atomic>
 #include <cstddef>
-#include <filesystem>
-#include <map>
-#include <mutex>
-#include <optional>
-
-#include "thermorig/io/spill/spill.h"
 
 namespace thermorig::spill {
 
-/// Large blocks of memory, some of them mapped from files. While there are such, each thread that has made
-/// one is interrupted four times a millisecond, looks how many pages of files are in memory, and gives those
-/// of the blocks back to the system if they are too many: a file's page that is given back is not lost, the
-/// next look at it finds it in its file. What this needs for itself are small blocks: `new` and `delete` of a
-/// thread that is inside must not ask here again. Never destroyed.
-class Blocks {
- public:
-  void configure(const std::filesystem::path& near, const Limits& limits);
+/// Whether a block of so many bytes is for map_block(): since arrays_near().
+bool is_large(std::size_t bytes);
 
-  bool is_large(std::size_t bytes) const { return bytes >= array_bytes_; }
+/// A block of memory, from a file where there are many. Nothing where the system has no such memory.
+void* map_block(std::size_t bytes);
 
-  /// Nothing where the system has no such memory.
-  void* allocate(std::size_t bytes);
-  /// False for what allocate() did not give.
-  bool release(void* at);
-
-  std::size_t on_disk_bytes();
-
-  void limit_resident();
-
-  /// Whether this thread is in one of these functions.
-  static bool is_inside();
-
- private:
-  struct Block {
-    std::size_t bytes = 0;
-    bool is_on_disk = false;
-  };
-
-  std::optional<std::size_t> forget(void* at);
-  void* map_file(std::size_t bytes) const;
-  void be_interrupted();
-  void look();
-  void give_back();
-
-  std::mutex mutex_;
-  std::filesystem::path near_;
-  Limits limits_;
-  std::atomic<std::size_t> array_bytes_ = Limits().array_bytes;  // of limits_, for who has no lock
-  std::map<void*, Block> blocks_;
-  std::size_t in_memory_bytes_ = 0;
-  std::size_t on_disk_bytes_ = 0;
-  std::size_t of_others_ = 0;  // mapped pages that were left when those of the blocks were given back
-  int statm_ = -1;
-};
-
-/// Those of the program.
-Blocks& blocks();
-
-/// Whether large blocks are the business of blocks(): since arrays_near().
-inline std::atomic<bool> is_on = false;
+/// False for what map_block() did not give.
+bool unmap_block(void* at);
 
 }  // namespace thermorig::spill

@@ -5,39 +5,17 @@
 // A file of its own: a program that links this library and has a `new` of its own (a test that counts) keeps
 // it.
 #ifndef THERMORIG_LEAVES_NEW_ALONE
-#include <cstdint>
 #include <cstdlib>
 #include <new>
 
 #include "blocks.h"
 
-namespace thermorig::spill {
-
-namespace {
-
-constexpr std::uintptr_t within_page = 4095;
-
-void* allocate(std::size_t bytes) {
-  if (is_on && blocks().is_large(bytes)) return blocks().allocate(bytes);
-  return std::malloc(bytes == 0 ? 1 : bytes);
-}
-
-/// Mapped blocks begin with a page; few others do.
-void release(void* at) {
-  if (Blocks::is_inside()) return std::free(at);
-  const bool may_be_mapped =
-      is_on && at != nullptr && (reinterpret_cast<std::uintptr_t>(at) & within_page) == 0;
-  if (may_be_mapped && blocks().release(at)) return;
-  std::free(at);
-}
-
-}  // namespace
-
-}  // namespace thermorig::spill
+using namespace thermorig;
 
 void* operator new(std::size_t bytes) {
   while (true) {
-    if (void* const at = thermorig::spill::allocate(bytes)) return at;
+    void* const at = spill::is_large(bytes) ? spill::map_block(bytes) : std::malloc(bytes == 0 ? 1 : bytes);
+    if (at != nullptr) return at;
     const std::new_handler handler = std::get_new_handler();
     if (handler == nullptr) throw std::bad_alloc();
     handler();
@@ -45,10 +23,10 @@ void* operator new(std::size_t bytes) {
 }
 
 void operator delete(void* at) noexcept {
-  thermorig::spill::release(at);
+  if (!spill::unmap_block(at)) std::free(at);
 }
 
 void operator delete(void* at, std::size_t /*bytes*/) noexcept {
-  thermorig::spill::release(at);
+  operator delete(at);
 }
 #endif

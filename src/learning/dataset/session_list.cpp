@@ -43,13 +43,13 @@ ListedSession listed(const std::filesystem::path& file, Open open) {
 }  // namespace
 
 std::vector<ListedSession> list_sessions(const std::vector<std::filesystem::path>& files,
-                                         const ReadingProgress& progress, const OpenCopy& open) {
+                                         const ReadingProgress& progress, const OpenFile& open) {
   std::vector<ListedSession> list(files.size());
   for_each_file(
       files.size(),
       [&](std::size_t index) {
         list[index] =
-            listed(files[index], [&] { return open ? open(index) : sandbox::SealedCopy(files[index]); });
+            listed(files[index], [&] { return open ? open(index) : session::StoredFile(files[index]); });
       },
       progress);
   return list;

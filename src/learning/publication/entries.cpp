@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <set>
 #include <tuple>
 
@@ -38,15 +39,15 @@ void require_taken(const FolderPath& found, const fs::path& folder) {
   require_listable(found, folder);
 }
 
-/// Its facts and its sum are of the same bytes.
-sandbox::SealedCopy copy_of(const fs::path& folder, const std::string& path, Entry& entry) {
-  const FolderFile file(folder, path);
-  if (!file.problem().empty()) require_taken({path, file.problem()}, folder);
-  sandbox::SealedCopy copy = file.copy();
+/// Its facts and its sum are of the same file.
+session::StoredFile opened(const fs::path& folder, const std::string& path, Entry& entry) {
+  const auto file = std::make_shared<const FolderFile>(folder, path);
+  if (!file->problem().empty()) require_taken({path, file->problem()}, folder);
   entry.path = path;
-  entry.bytes = copy.bytes().size();
-  entry.sha256 = sha256_of(copy.bytes());
-  return copy;
+  entry.bytes = file->bytes();
+  entry.sha256 = file->sha256();
+  const auto read_at = [file](std::uint64_t offset, std::span<std::byte> out) { file->read(offset, out); };
+  return session::StoredFile(file->bytes(), read_at, folder / path);
 }
 
 void require_sessions(const std::vector<ListedSession>& sessions, bool accept_bad) {
@@ -85,7 +86,7 @@ std::vector<Entry> entries_of(const fs::path& folder, bool accept_bad,
   }
   std::vector<Entry> entries(files.size());
   std::vector<ListedSession> sessions = dataset::list_sessions(
-      files, progress, [&](std::size_t index) { return copy_of(folder, found[index].path, entries[index]); });
+      files, progress, [&](std::size_t index) { return opened(folder, found[index].path, entries[index]); });
   require_sessions(sessions, accept_bad);
   for (std::size_t i = 0; i < entries.size(); ++i) entries[i].session = std::move(sessions[i]);
   std::sort(entries.begin(), entries.end(), is_before);

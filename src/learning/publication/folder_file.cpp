@@ -69,8 +69,7 @@ FolderFile::FolderFile(const fs::path& folder, const std::string& path) : path_(
   const fs::path within(path);
   for (auto part = within.begin(); part != within.end() && problem_.empty(); ++part)
     step_into(*part, std::next(part) == within.end());
-  if (bytes_ > static_cast<std::uint64_t>(sandbox::SealedCopy::bytes_max))
-    problem_ = "is larger than any session: 4 GiB";
+  if (bytes_ > session::StoredFile::bytes_max) problem_ = "is larger than any session: 4 GiB";
 }
 
 void FolderFile::step_into(const fs::path& name, bool is_last) {
@@ -119,11 +118,6 @@ std::string FolderFile::sha256() const {
     sum.add(part);
   }
   return sum.hexadecimal();
-}
-
-sandbox::SealedCopy FolderFile::copy() const {
-  return sandbox::SealedCopy(
-      bytes_, [this](std::uint64_t offset, std::span<std::byte> out) { read(offset, out); }, path_);
 }
 
 }  // namespace thermorig::publication

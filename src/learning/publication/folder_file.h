@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "thermorig/io/files/descriptor.h"
-#include "thermorig/storage/sandbox/sealed_copy.h"
+#include "thermorig/storage/session/stored_file.h"
 
 namespace thermorig::publication {
 
@@ -38,8 +38,6 @@ class FolderFile {
   void read(std::uint64_t offset, std::span<std::byte> out) const;
   /// Hexadecimal. Throws as read().
   std::string sha256() const;
-  /// Of one without a problem. Throws as SealedCopy does.
-  sandbox::SealedCopy copy() const;
 
  private:
   void step_into(const std::filesystem::path& name, bool is_last);

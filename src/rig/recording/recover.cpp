@@ -14,7 +14,6 @@
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/rig/recording/session_file.h"
 #include "thermorig/storage/journal/journal.h"
-#include "thermorig/storage/sandbox/sealed_copy.h"
 #include "thermorig/storage/session/annotations.h"
 #include "thermorig/storage/session/salvage.h"
 
@@ -66,12 +65,12 @@ RecoveryResult already_there(const std::filesystem::path& source, const std::fil
 }
 
 /// Of a session that was cut short another one is made, of what it still holds.
-RecoveryResult salvage_session(const std::filesystem::path& path, const sandbox::SealedCopy& copy,
+RecoveryResult salvage_session(const std::filesystem::path& path, const session::StoredFile& file,
                                files::Disk& disk) {
   std::filesystem::path salvaged = path;
   salvaged.replace_filename(path.stem().string() + "_salvaged.h5");
   const bool is_made = is_there(salvaged, disk);
-  session::Salvaged left = session::salvage(copy);
+  session::Salvaged left = session::salvage(file);
   session::Session session;
   if (is_made) {
     session = stored_session(salvaged, disk);
@@ -235,8 +234,8 @@ std::vector<RecoveryResult> recover(const std::filesystem::path& path, files::Di
     append(results, std::move(removed));
     return results;
   }
-  if (const sandbox::SealedCopy copy = sandbox::copy_on(disk, path); session::is_cut_short(copy))
-    return {salvage_session(path, copy, disk)};
+  if (const session::StoredFile file(disk, path); session::is_cut_short(file))
+    return {salvage_session(path, file, disk)};
   return {already_there(path, path, disk)};
 }
 

@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "thermorig/core/error.h"
-#include "thermorig/storage/session/trial.h"
 
 namespace thermorig::rig {
 
@@ -111,7 +110,7 @@ std::filesystem::path session_of(const std::filesystem::path& journal) {
 }
 
 session::Session stored_session(const std::filesystem::path& path, files::Disk& disk) {
-  return session::read_session(session::tried(sandbox::copy_on(disk, path)));
+  return session::read_session(session::StoredFile(disk, path));
 }
 
 void retire_journal(const std::filesystem::path& journal, files::Disk& disk) {

@@ -9,7 +9,6 @@
 
 #include "attributes.h"
 #include "chunk_codec.h"
-#include "row_parts.h"
 
 namespace thermorig::session {
 
@@ -82,7 +81,7 @@ void ChunkWriter::run(Job& job, ChunkCodec& codec, std::vector<std::byte>& buffe
   buffer.resize(layout.chunk_rows * layout.row_bytes);
   std::fill(buffer.begin() + static_cast<std::ptrdiff_t>(rows * layout.row_bytes), buffer.end(),
             std::byte{0});
-  in_parts(job.first, rows, buffer.data(), layout.row_bytes, job.dataset->fill);
+  job.dataset->fill(job.first, rows, buffer.data());
   job.row_crc = crc32_of(std::span(buffer).first(rows * layout.row_bytes));
   job.encoded = codec.encode(buffer, layout.element_bytes);
 }

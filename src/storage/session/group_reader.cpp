@@ -9,10 +9,6 @@
 #include <numeric>
 
 #include "attributes.h"
-#include "chunk_decoder.h"
-#include "row_parts.h"
-#include "thermorig/io/spill/spill.h"
-#include "thermorig/storage/sandbox/sandbox.h"
 
 namespace thermorig::session {
 
@@ -22,7 +18,6 @@ namespace {
 constexpr std::uint64_t deflate_ratio_max = 1032;
 constexpr std::uint64_t small_bytes = 1U << 20U;
 constexpr std::uint64_t chunk_bytes_max = 16U << 20U;
-constexpr std::size_t kept_bytes_max = 8U << 20U;
 
 void check_link(hid_t parent, const std::string& name, const std::string& path) {
   H5L_info_t info;
@@ -177,24 +172,17 @@ std::uint32_t GroupReader::read_chunks(const Table& table, hid_t type, Range ran
   const Handle space(H5Dget_space(source.dataset.get()), "read " + table.path);
   std::vector<hsize_t> start(source.dims.size(), 0);
   std::vector<hsize_t> count = source.dims;
-  ChunkDecoder decoder(source.dataset.get(), source.dims, source.chunk, table.row_bytes);
   std::uint32_t crc = 0;
-  facts_.copy->forget_pages();  // how many the columns before have left in memory is not known
-  spill::EveryBytes kept(kept_bytes_max);
   for (start[0] = range.begin; start[0] < range.end; start[0] += count[0]) {
     count[0] = std::min<hsize_t>(step - start[0] % step, range.end - start[0]);
-    if (!decoder.read(start[0], count[0], buffer.data())) {
-      const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
-                          "read " + table.path);
-      check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
-            "read " + table.path);
-      check(H5Dread(source.dataset.get(), type, memory.get(), space.get(), H5P_DEFAULT, buffer.data()),
-            "read " + table.path + ": a chunk is damaged");
-    }
+    const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
+                        "read " + table.path);
+    check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+          "read " + table.path);
+    check(H5Dread(source.dataset.get(), type, memory.get(), space.get(), H5P_DEFAULT, buffer.data()),
+          "read " + table.path + ": a chunk is damaged");
     crc = libdeflate_crc32(crc, buffer.data(), count[0] * table.row_bytes);
-    sandbox::count_inflated(count[0] * table.row_bytes);
-    in_parts(start[0], count[0], buffer.data(), table.row_bytes, take);
-    if (kept.is_due_after(count[0] * table.row_bytes)) facts_.copy->forget_pages();
+    take(start[0], count[0], buffer.data());
   }
   return crc;
 }

@@ -13,13 +13,11 @@
 #include "hdf5_handle.h"
 #include "stored_type.h"
 #include "thermorig/core/time.h"
-#include "thermorig/storage/sandbox/sealed_copy.h"
 
 namespace thermorig::session {
 
 /// What a reader must know of the file as a whole.
 struct FileFacts {
-  const sandbox::SealedCopy* copy = nullptr;
   std::uint64_t bytes = 0;
   FormatVersion version;
   HostTime reference{};

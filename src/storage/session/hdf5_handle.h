@@ -3,6 +3,7 @@
 
 #include <hdf5.h>
 
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -58,6 +59,9 @@ struct ClearedErrors {
   ClearedErrors& operator=(const ClearedErrors&) = delete;
   ~ClearedErrors() { H5Eclear2(H5E_DEFAULT); }
 };
+
+/// The library may be in one thread at a time: who calls it holds this.
+std::mutex& hdf5_turn();
 
 /// Settings of the library that every entry needs: no printing on stderr, no filter plug-ins from outside.
 inline void prepare_hdf5() {

@@ -8,7 +8,7 @@
 #include "attributes.h"
 #include "group_reader.h"
 #include "thermorig/storage/recording_header/profile_fields.h"
-#include "thermorig/storage/sandbox/refusal.h"
+#include "thermorig/storage/session/stored_file.h"
 
 namespace thermorig::session {
 
@@ -69,8 +69,7 @@ RigProfile read_profile(hid_t file, const std::filesystem::path& path) {
   const GroupReader must_be_there(file, profile_group, {});
   return recording_header::profile_from([&](const ProfileField& field) { return value_in(file, field); },
                                         [&](const ProfileProblem& problem) {
-                                          sandbox::refuse(
-                                              path, "its profile cannot be believed: " + problem.text());
+                                          refuse(path, "its profile cannot be believed: " + problem.text());
                                         });
 }
 

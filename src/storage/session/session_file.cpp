@@ -10,11 +10,11 @@
 #include "chunk_writer.h"
 #include "hdf5_handle.h"
 #include "session_image.h"
-#include "tasks.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/files/replaced_file.h"
 #include "thermorig/storage/session/session.h"
 #include "thermorig/storage/session/trial.h"
+#include "trial.h"
 
 namespace thermorig::session {
 
@@ -67,19 +67,14 @@ std::string advice_to_replace(int error_number) {
 }
 
 /// What a reader would refuse never gets its name: nobody shall remove what it was made of.
-void require_readable_again(sandbox::SealedCopy written) {
-  const std::string path = written.path().string();
+void require_readable_again(const StoredFile& written) {
   try {
-    require_readable(std::move(written));
+    require_readable(written);
   } catch (const Error& error) {
-    throw Error(error.code(), "what was made of it could not be read again: " + error.what_happened(), path,
+    throw Error(error.code(), "what was made of it could not be read again: " + error.what_happened(),
+                written.path().string(),
                 "nothing was changed: its journal, or the session that it was to replace, is still there");
   }
-}
-
-AddedByOthers added_to(const sandbox::SealedCopy& copy) {
-  altered_attributes(copy);  // a child looks at all of them first
-  return added_by_others(copy);
 }
 
 /// It is built in memory: no disk has to do with what fails there.
@@ -103,9 +98,9 @@ void write_image(files::PartFile& part, const Session& session, const std::vecto
   const auto read_back = [&part](std::uint64_t offset, std::span<std::byte> out) {
     part.read_back(offset, out);
   };
-  sandbox::SealedCopy written(part.size(), read_back, part.path());
+  const StoredFile written(part.size(), read_back, part.path());
   check_written(written, image);
-  require_readable_again(std::move(written));
+  require_readable_again(written);
   part.sync();
 }
 
@@ -127,15 +122,14 @@ void write_session(const fs::path& path, const Session& session, files::Disk& di
 files::ReplacedFile replaced_session(const fs::path& path, files::Disk& disk) {
   std::error_code hidden;
   const fs::file_status status = fs::status(path, hidden);
-  if (fs::exists(status) && !fs::is_regular_file(status))
-    const sandbox::SealedCopy refuses(path);  // and says why
+  if (fs::exists(status) && !fs::is_regular_file(status)) const StoredFile refuses(path);  // and says why
   return files::ReplacedFile(path, "the session", advice_to_replace, disk);
 }
 
 std::vector<std::string> write_again(files::PartFile& part, const fs::path& old, const Session& session,
                                      files::Disk& disk) {
   try {
-    AddedByOthers added = added_to(sandbox::copy_on(disk, old));
+    AddedByOthers added = added_by_others(StoredFile(disk, old));
     write_image(part, session, added.attributes);
     return std::move(added.objects);
   } catch (const Hdf5Failure& failure) {

@@ -12,7 +12,7 @@
 #include "chunk_codec.h"
 #include "chunk_writer.h"
 #include "estimate_columns.h"
-#include "file_image.h"
+#include "file_driver.h"
 #include "group_attributes.h"
 #include "group_writer.h"
 #include "image_memory.h"
@@ -22,7 +22,6 @@
 #include "scalars.h"
 #include "sent_bytes.h"
 #include "sync_columns.h"
-#include "thermorig/io/spill/spill.h"
 
 namespace thermorig::session {
 
@@ -210,7 +209,7 @@ class ImageBuilder {
   ChunkWriter chunks_;
 };
 
-void check_dataset(hid_t file, const StoredDataset& stored, const sandbox::SealedCopy& copy) {
+void check_dataset(hid_t file, const StoredDataset& stored) {
   const Handle dataset(H5Dopen2(file, stored.path.c_str(), H5P_DEFAULT), "open " + stored.path);
   const Handle space(H5Dget_space(dataset.get()), "read the shape of " + stored.path);
   std::array<hsize_t, H5S_MAX_RANK> dims{};
@@ -218,7 +217,6 @@ void check_dataset(hid_t file, const StoredDataset& stored, const sandbox::Seale
   if (dims[0] != stored.rows) throw Hdf5Failure("find all rows of " + stored.path);
   std::vector<std::byte> chunk;
   std::array<hsize_t, 3> offset{};
-  spill::EveryBytes part(crc_part_bytes);
   for (const std::uint32_t crc : stored.chunk_crc) {
     hsize_t size = 0;
     std::uint32_t mask = 0;
@@ -229,17 +227,16 @@ void check_dataset(hid_t file, const StoredDataset& stored, const sandbox::Seale
     if (mask != 0 || libdeflate_crc32(0, chunk.data(), chunk.size()) != crc)
       throw Hdf5Failure("read back what was written to " + stored.path);
     offset[0] += stored.chunk_rows;
-    if (part.is_due_after(chunk.size())) copy.forget_pages();
   }
 }
 
-std::uint32_t crc_of(const sandbox::SealedCopy& copy) {
+std::uint32_t crc_of(const StoredFile& file) {
   std::uint32_t crc = 0;
-  for (auto left = copy.bytes(); !left.empty();) {
-    const auto part = left.first(std::min(left.size(), crc_part_bytes));
+  std::vector<std::byte> part(std::min<std::uint64_t>(crc_part_bytes, file.size()));
+  for (std::uint64_t offset = 0; offset < file.size(); offset += part.size()) {
+    part.resize(std::min<std::uint64_t>(part.size(), file.size() - offset));
+    file.read(offset, part);
     crc = libdeflate_crc32(crc, part.data(), part.size());
-    left = left.subspan(part.size());
-    copy.forget_pages();
   }
   return crc;
 }
@@ -247,24 +244,25 @@ std::uint32_t crc_of(const sandbox::SealedCopy& copy) {
 }  // namespace
 
 void SessionImage::release() {
+  const std::lock_guard turn(hdf5_turn());
   bytes = {};
   file.close("close the file in memory");
 }
 
 SessionImage build_image(const Session& session, unsigned threads,
                          const std::vector<StoredAttribute>& added) {
+  const std::lock_guard turn(hdf5_turn());
   prepare_hdf5();
   return ImageBuilder(session, threads).build(added);
 }
 
-void check_written(const sandbox::SealedCopy& copy, const SessionImage& meant) {
+void check_written(const StoredFile& written, const SessionImage& meant) {
+  if (crc_of(written) != meant.crc) throw Hdf5Failure("read back what was written");
+  const std::lock_guard turn(hdf5_turn());
   prepare_hdf5();
-  if (crc_of(copy) != meant.crc) throw Hdf5Failure("read back what was written");
-  Handle file = open_file_image(copy.bytes(), "open the written file");
-  for (const auto& dataset : meant.datasets) {
-    check_dataset(file.get(), dataset, copy);
-    copy.forget_pages();
-  }
+  DriverSource source{&written, written.size(), 0, nullptr};
+  Handle file = open_to_read(source, "open the written file");
+  for (const auto& dataset : meant.datasets) check_dataset(file.get(), dataset);
   file.close("close the written file");
 }
 

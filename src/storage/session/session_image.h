@@ -9,8 +9,8 @@
 #include "hdf5_handle.h"
 #include "stored_attributes.h"
 #include "stored_dataset.h"
-#include "thermorig/storage/sandbox/sealed_copy.h"
 #include "thermorig/storage/session/session.h"
+#include "thermorig/storage/session/stored_file.h"
 
 namespace thermorig::session {
 
@@ -34,6 +34,6 @@ SessionImage build_image(const Session& session, unsigned threads,
 /// Holds what the disk gave back of a written file against what was meant, byte by byte, and against what the
 /// file was made of: opens it and looks at shapes and stored chunks. `meant.bytes` may be gone by then.
 /// Throws Hdf5Failure.
-void check_written(const sandbox::SealedCopy& copy, const SessionImage& meant);
+void check_written(const StoredFile& file, const SessionImage& meant);
 
 }  // namespace thermorig::session

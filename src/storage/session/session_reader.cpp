@@ -12,7 +12,7 @@
 #include "annotation_columns.h"
 #include "attributes.h"
 #include "estimate_columns.h"
-#include "file_image.h"
+#include "file_driver.h"
 #include "format.h"
 #include "group_reader.h"
 #include "message_marks.h"
@@ -25,16 +25,16 @@
 #include "stored_attributes.h"
 #include "sync_attributes.h"
 #include "sync_columns.h"
-#include "tasks.h"
+#include "thermorig/core/count_text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/wire/counter_names.h"
 #include "thermorig/storage/recording_header/header_json.h"
-#include "thermorig/storage/sandbox/refusal.h"
 #include "thermorig/storage/session/annotations.h"
 #include "thermorig/storage/session/rows.h"
 #include "thermorig/storage/session/salvage.h"
 #include "thermorig/storage/session/session.h"
 #include "thermorig/storage/session/trial.h"
+#include "trial.h"
 
 namespace thermorig::session {
 
@@ -59,25 +59,22 @@ std::optional<FormatVersion> version_of(const std::string& text) {
 /// A session file that has shown its format; gives access to its groups.
 class SessionFile {
  public:
-  /// `bytes_there`: of a file that was cut short, behind which `copy` has zeros.
-  explicit SessionFile(const sandbox::SealedCopy& copy, std::optional<std::uint64_t> bytes_there = {})
-      : path_(copy.path()) {
+  /// `source` must outlive this.
+  explicit SessionFile(DriverSource& source) : path_(source.file->path()) {
     const fs::path& path = path_;
-    facts_.copy = &copy;
-    facts_.bytes = copy.bytes().size();
-    facts_.bytes_there = bytes_there.value_or(facts_.bytes);
-    if (copy.bytes().empty()) sandbox::refuse(path, "is empty");
-    require_whole(copy);
-    file_ = open_file_image(copy.bytes(), "open it as HDF5");
-    require_nothing_behind();
+    facts_.bytes = source.end;
+    facts_.bytes_there = source.file->size();
+    if (source.end == 0) refuse(path, "is empty");
+    if (!is_cut()) require_whole(*source.file);
+    file_ = open_to_read(source, "open it as HDF5");
+    require_nothing_behind(source.used);
     if (!has_attribute(id(), "format") || get_text_attribute(id(), "format") != format_name)
-      sandbox::refuse(path, "is HDF5, but not a thermorig session");
+      refuse(path, "is HDF5, but not a thermorig session");
     const std::string version = get_text_attribute(id(), "format_version");
     const auto known = version_of(version);
     if (!known)
-      sandbox::refuse(
-          path, fmt::format("is a session of format version {}, and this program reads versions {} to {}",
-                            version, first_format_major, format_version.major));
+      refuse(path, fmt::format("is a session of format version {}, and this program reads versions {} to {}",
+                               version, first_format_major, format_version.major));
     facts_.version = *known;
   }
 
@@ -114,12 +111,9 @@ class SessionFile {
  private:
   /// HDF5 does not look beyond the end that the file states: what was appended would travel with the session,
   /// unseen.
-  void require_nothing_behind() const {
-    const auto end = static_cast<std::uint64_t>(
-        check(H5Fget_file_image(id(), nullptr, 0), "find its end"));  // its size as the file states it
+  void require_nothing_behind(std::uint64_t end) const {
     if (end < facts_.bytes)
-      sandbox::refuse(path_,
-                      fmt::format("ends after {} bytes, and {} more stand behind", end, facts_.bytes - end));
+      refuse(path_, fmt::format("ends after {} bytes, and {} more stand behind", end, facts_.bytes - end));
   }
 
   /// Other readers may change what stands in attributes: these must be what was written.
@@ -137,7 +131,7 @@ class SessionFile {
     std::string licence = get_text_attribute(id(), "license");
     if (licence.empty() || licence == licence_not_stated) return "";
     if (!recording_header::is_line(licence))
-      sandbox::refuse(path_, "has an attribute `license` that is no line of up to 1000 bytes of UTF-8");
+      refuse(path_, "has an attribute `license` that is no line of up to 1000 bytes of UTF-8");
     return licence;
   }
 
@@ -186,8 +180,6 @@ std::vector<EstimateRow> read_estimates(const SessionFile& file, RecordingHeader
 }
 
 /// The bytes of the ports: most of a session, and of no use to who only looks at it.
-enum class Streams : std::uint8_t { read, left_out };
-
 template <typename Stream>
 void read_streams(const SessionFile& file, HostTime reference, PerDevice<Stream>& received,
                   PerDevice<Stream>& sent) {
@@ -198,10 +190,9 @@ void read_streams(const SessionFile& file, HostTime reference, PerDevice<Stream>
       read_stream(file, sent_group(device), "sent_ns", reference, sent[device]);
 }
 
-RawRecording read_recording(SessionFile& file, Streams streams) {
+RawRecording read_recording(SessionFile& file) {
   RawRecording raw;
   raw.header = file.read_header();
-  if (streams == Streams::read) read_streams(file, raw.header.time_reference, raw.received, raw.sent);
   auto events = file.group("/events");
   event_columns(events, raw.events);
   auto servo = file.group("/servo");
@@ -276,22 +267,22 @@ void read_sync_tables(const SessionFile& file, SyncReport& sync) {
   if (file.version() >= with_checked_constants) bias_columns(group, sync.gyro.bias_course);
 }
 
+/// Windows are neighbouring rows, so rows must be the frames one after the other.
 template <typename Rows>
-void read_exchanges(const SessionFile& file, Rows& exchanges) {
-  auto group = file.group("/sync/servo");
-  ping_columns(group, exchanges);
-}
-
-std::vector<TimedPong> read_pongs(const SessionFile& file) {
-  std::vector<PingExchange> exchanges;
-  read_exchanges(file, exchanges);
-  std::vector<TimedPong> pongs;
-  for (const auto& exchange : exchanges) pongs.push_back(exchange.pong);
-  return pongs;
+void read_samples(const SessionFile& file, std::size_t frames, Rows& samples) {
+  auto group = file.group("/samples");
+  sample_columns(group, samples);
+  std::uint64_t next = 0;
+  bool is_in_order = samples.size() == frames;
+  group.column<std::uint32_t>({"frame"}, samples, nullptr, [&](auto& /*sample*/, std::uint32_t frame) {
+    is_in_order = is_in_order && frame == next++;
+  });
+  if (!is_in_order) throw Hdf5Failure("believe /samples/frame: the samples are not one a frame, in order");
 }
 
 /// Before format 1.1 the label was the commanded speed, and there was no other.
-void complete_labels_of_1_0(std::vector<LabelledSample>& samples) {
+void complete_labels(FormatVersion version, std::vector<LabelledSample>& samples) {
+  if (version >= with_sync_report) return;
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
   for (LabelledSample& sample : samples) {
     sample.rate_commanded_dps = sample.rate_shaft_dps;
@@ -299,34 +290,6 @@ void complete_labels_of_1_0(std::vector<LabelledSample>& samples) {
     sample.rate_gyro_half_dps = {unknown, unknown};
     sample.gyro_spread_dps = unknown;
   }
-}
-
-void read_samples(const SessionFile& file, std::vector<LabelledSample>& samples) {
-  auto group = file.group("/samples");
-  sample_columns(group, samples);
-  if (file.version() < with_sync_report) complete_labels_of_1_0(samples);
-}
-
-[[noreturn]] void refuse_samples() {
-  throw Hdf5Failure("believe /samples/frame: the samples are not one a frame, in order");
-}
-
-/// Windows are neighbouring rows, so rows must be the frames one after the other.
-void check_samples(const std::vector<LabelledSample>& samples, std::size_t frames) {
-  bool good = samples.size() == frames;
-  for (std::size_t row = 0; good && row < samples.size(); ++row) good = samples[row].frame_index == row;
-  if (!good) refuse_samples();
-}
-
-void pass_samples(const SessionFile& file, std::size_t frames) {
-  PassedRows<LabelledSample> samples;
-  auto group = file.group("/samples");
-  sample_columns(group, samples);
-  std::uint64_t next = 0;
-  group.column<std::uint32_t>({"frame"}, samples, nullptr, [&next](auto&, std::uint32_t frame) {
-    if (frame != next++) refuse_samples();
-  });
-  if (samples.size() != frames) refuse_samples();
 }
 
 /// What was said of it afterwards; most sessions have none.
@@ -346,9 +309,9 @@ unsigned label_version_of(FormatVersion version) {
 }
 
 /// The session without what was decoded.
-Session read_foundation(SessionFile& file, Streams streams = Streams::read) {
+Session read_foundation(SessionFile& file) {
   Session session;
-  session.raw = read_recording(file, streams);
+  session.raw = read_recording(file);
   read_scalars(file, session);
   session.annotations = read_annotations(file);
   session.format_major = file.version().major;
@@ -381,31 +344,46 @@ std::vector<std::string> read_altered(const SessionFile& file) {
   return altered_attributes(attributes, file.group("/quality").text(attribute_sums_column));
 }
 
-template <typename Frames, typename Gyro, typename Servo>
-void read_messages(const SessionFile& file, Frames& frames, Gyro& gyro_samples, Servo& telemetry) {
-  auto camera = file.group("/camera");
-  camera_columns(camera, frames);
-  auto gyro = file.group("/gyro");
-  gyro_columns(gyro, gyro_samples);
-  auto servo = file.group("/servo");
-  servo_columns(servo, telemetry);
-}
+struct KeepingAll {
+  using Stream = RawStream;
+  template <typename Row>
+  using Rows = std::vector<Row>;
+};
+struct KeepingNothing {
+  using Stream = PassedStream;
+  template <typename Row>
+  using Rows = PassedRows<Row>;
+};
 
-/// All that read_all() checks, row by row: nothing of it is kept.
-void pass_all(SessionFile& file) {
-  Session session = read_foundation(file, Streams::left_out);
-  PerDevice<PassedStream> received, sent;
-  read_streams(file, session.raw.header.time_reference, received, sent);
-  PassedRows<TimedFrame> frames;
-  PassedRows<TimedGyro> gyro;
-  PassedRows<TimedServo> servo;
-  read_messages(file, frames, gyro, servo);
-  PassedRows<PingExchange> exchanges;
-  read_exchanges(file, exchanges);
+/// What grows with a recording.
+template <typename Keeping>
+struct Tables {
+  PerDevice<typename Keeping::Stream> received, sent;
+  typename Keeping::template Rows<TimedFrame> frames;
+  typename Keeping::template Rows<TimedGyro> gyro;
+  typename Keeping::template Rows<TimedServo> servo;
+  typename Keeping::template Rows<PingExchange> exchanges;
+  typename Keeping::template Rows<LabelledSample> samples;
+};
+
+/// Reads, and checks, all that thermorig wrote.
+template <typename Keeping>
+Session read_whole(SessionFile& file, Tables<Keeping>& tables) {
+  Session session = read_foundation(file);
+  read_streams(file, session.raw.header.time_reference, tables.received, tables.sent);
+  auto camera = file.group("/camera");
+  camera_columns(camera, tables.frames);
+  auto gyro = file.group("/gyro");
+  gyro_columns(gyro, tables.gyro);
+  auto servo = file.group("/servo");
+  servo_columns(servo, tables.servo);
+  auto pings = file.group("/sync/servo");
+  ping_columns(pings, tables.exchanges);
   if (file.version() >= with_sync_report) read_sync_tables(file, session.sync);
-  pass_samples(file, frames.size());
+  read_samples(file, tables.frames.size(), tables.samples);
   check_copies(file);
   if (file.version() >= with_attribute_sums) file.group("/quality").text(attribute_sums_column);
+  return session;
 }
 
 MessageMarks read_marks(const SessionFile& file) {
@@ -426,23 +404,38 @@ MessageMarks read_marks(const SessionFile& file) {
 }
 
 Overview read_all_of_overview(SessionFile& file) {
-  Session session = read_foundation(file, Streams::left_out);
+  Session session = read_foundation(file);
   if (file.version() >= with_sync_report) read_sync_tables(file, session.sync);
-  read_samples(file, session.samples);
-  Quality quality = quality_of(session, read_marks(file));
+  const MessageMarks marks = read_marks(file);
+  read_samples(file, marks.frames.size(), session.samples);
+  complete_labels(file.version(), session.samples);
+  Quality quality = quality_of(session, marks);
   return {std::move(session), std::move(quality)};
 }
 
+void look_at_all(SessionFile& file) {
+  Tables<KeepingNothing> tables;
+  read_whole(file, tables);
+}
+
 Session read_all(SessionFile& file) {
-  Session session = read_foundation(file);
-  read_messages(file, session.frames, session.gyro, session.servo);
-  session.pongs = read_pongs(file);
-  if (file.version() >= with_sync_report) read_sync_tables(file, session.sync);
-  read_samples(file, session.samples);
-  check_samples(session.samples, session.frames.size());
-  check_copies(file);
-  if (file.version() >= with_attribute_sums) file.group("/quality").text(attribute_sums_column);
+  Tables<KeepingAll> tables;
+  Session session = read_whole(file, tables);
+  session.raw.received = std::move(tables.received);
+  session.raw.sent = std::move(tables.sent);
+  session.frames = std::move(tables.frames);
+  session.gyro = std::move(tables.gyro);
+  session.servo = std::move(tables.servo);
+  for (const PingExchange& exchange : tables.exchanges) session.pongs.push_back(exchange.pong);
+  session.samples = std::move(tables.samples);
+  complete_labels(file.version(), session.samples);
   return session;
+}
+
+RawRecording read_all_raw(SessionFile& file) {
+  RawRecording raw = read_foundation(file).raw;
+  read_streams(file, raw.header.time_reference, raw.received, raw.sent);
+  return raw;
 }
 
 /// The verdict as it stands in the file: to find it anew takes all tables.
@@ -461,16 +454,16 @@ void read_verdict(const SessionFile& file, Rows& rows) {
 Rows read_all_rows(SessionFile& file) {
   Rows rows;
   Session& session = rows.session;
-  session = read_foundation(file, Streams::left_out);
+  session = read_foundation(file);
   if (file.version() >= with_checked_constants) {
     auto sync = file.group("/sync");
     bias_columns(sync, session.sync.gyro.bias_course);
   }
-  read_samples(file, session.samples);
   auto camera = file.group("/camera");
   rows.frames.resize(camera.count_rows("time", frames_max, sizeof(FrameMarks)));
   freshness_columns(camera, rows.frames);
-  check_samples(session.samples, rows.frames.size());
+  read_samples(file, rows.frames.size(), session.samples);
+  complete_labels(file.version(), session.samples);
   read_verdict(file, rows);
   return rows;
 }
@@ -479,8 +472,7 @@ Images read_some_images(SessionFile& file, FrameRange range) {
   auto camera = file.group("/camera");
   const std::uint64_t frames = camera.count_rows("time", frames_max, sizeof(ThermalFrame));
   if (range.first > frames || range.count > frames - range.first || range.count > most_images)
-    sandbox::refuse(file.path(),
-                    fmt::format("has no frames {} to {}", range.first, range.first + range.count));
+    refuse(file.path(), fmt::format("has no frames {} to {}", range.first, range.first + range.count));
   Images images{file.read_header().profile.camera.mirrored, std::vector<ThermalFrame>(range.count)};
   camera.block_range<float>(temperature_column, pixel_axes(camera), range.first, images.frames,
                             &ThermalFrame::temp_c);
@@ -595,65 +587,126 @@ Salvaged read_salvaged(SessionFile& file) {
   return left;
 }
 
-std::mutex hdf5_turn;  // the library may be in one thread at a time
-
+/// Who holds hdf5_turn() reads. `end`: of the file.
 template <typename Read>
-auto read_or_explain(const sandbox::SealedCopy& copy, Read read,
-                     std::optional<std::uint64_t> bytes_there = {}) {
-  const std::lock_guard turn(hdf5_turn);
+auto read_or_explain(const StoredFile& stored, std::uint64_t end, Read read) {
+  DriverSource source{&stored, end, 0, nullptr};
   try {
     prepare_hdf5();
     const ClearedErrors cleared;
-    SessionFile file(copy, bytes_there);
+    SessionFile file(source);
     return read(file);
   } catch (const Hdf5Failure& failure) {
-    sandbox::refuse(copy.path(), failure.what());
+    if (source.failure) std::rethrow_exception(source.failure);
+    refuse(stored.path(), failure.what());
   } catch (const std::bad_alloc&) {
-    sandbox::refuse(copy.path(), "claims to be larger than the memory of this computer");
+    refuse(stored.path(), "claims to be larger than the memory of this computer");
   }
+}
+
+/// A child process first, if one tries files; it begins while no other thread is in the library.
+template <typename Read>
+void try_first(const StoredFile& stored, std::uint64_t end, Read read) {
+  if (!are_sessions_tried()) return;
+  std::unique_lock turn(hdf5_turn());
+  Trial trial(stored, [&] { read_or_explain(stored, end, read); });
+  turn.unlock();
+  trial.require_good();
+}
+
+template <typename Read>
+auto read_in_turn(const StoredFile& stored, std::uint64_t end, Read read) {
+  const std::lock_guard turn(hdf5_turn());
+  return read_or_explain(stored, end, read);
+}
+
+/// What reads a part of a session.
+template <typename Read>
+auto tried_and_read(const StoredFile& stored, Read read) {
+  require_whole(stored);
+  try_first(stored, stored.size(), read);
+  return read_in_turn(stored, stored.size(), read);
 }
 
 }  // namespace
 
-Session read_session(const sandbox::SealedCopy& copy) {
-  return read_or_explain(copy, read_all);
+std::mutex& hdf5_turn() {
+  static std::mutex turn;
+  return turn;
 }
 
-Overview read_overview(const sandbox::SealedCopy& copy) {
-  require_readable(copy);
-  return read_or_explain(copy, read_all_of_overview);
+Session read_session(const StoredFile& file) {
+  require_whole(file);
+  try_first(file, file.size(), look_at_all);
+  return read_in_turn(file, file.size(), read_all);
+}
+
+Overview read_overview(const StoredFile& file) {
+  require_readable(file);
+  return read_in_turn(file, file.size(), read_all_of_overview);
 }
 
 Session read_session(const fs::path& path) {
-  return read_session(tried_copy(path));
+  return read_session(StoredFile(path));
 }
 
 RawRecording read_raw(const fs::path& path) {
-  return read_or_explain(tried_copy(path), [](SessionFile& file) { return read_foundation(file); }).raw;
+  const StoredFile file(path);
+  require_whole(file);
+  try_first(file, file.size(), look_at_all);
+  return read_in_turn(file, file.size(), read_all_raw);
 }
 
-Rows read_rows(const sandbox::SealedCopy& copy) {
-  return read_or_explain(copy, read_all_rows);
+Rows read_rows(const StoredFile& file) {
+  return tried_and_read(file, read_all_rows);
 }
 
-Images read_images(const sandbox::SealedCopy& copy, FrameRange range) {
-  return read_or_explain(copy, [range](SessionFile& file) { return read_some_images(file, range); });
+Images read_images(const StoredFile& file, FrameRange range) {
+  return tried_and_read(file, [range](SessionFile& session) { return read_some_images(session, range); });
 }
 
-AddedByOthers added_by_others(const sandbox::SealedCopy& copy) {
-  return read_or_explain(copy, read_added);
+AddedByOthers added_by_others(const StoredFile& file) {
+  return tried_and_read(file, read_added);
 }
 
-std::vector<std::string> altered_in(const sandbox::SealedCopy& copy) {
-  return read_or_explain(copy, read_altered);
+std::vector<std::string> altered_attributes(const StoredFile& file) {
+  return tried_and_read(file, read_altered);
 }
 
-Salvaged salvaged_from(const sandbox::SealedCopy& padded, std::uint64_t bytes_there) {
-  return read_or_explain(padded, read_salvaged, bytes_there);
+void require_readable(const StoredFile& file) {
+  require_whole(file);
+  if (are_sessions_tried()) return try_first(file, file.size(), look_at_all);
+  read_in_turn(file, file.size(), look_at_all);
 }
 
-void read_for_nothing(const sandbox::SealedCopy& copy) {
-  read_or_explain(copy, pass_all);
+bool is_cut_short(const StoredFile& file) {
+  return file.stated_end() > file.size();
+}
+
+void require_whole(const StoredFile& file) {
+  if (!is_cut_short(file)) return;
+  throw Error(ExitCode::not_a_session,
+              fmt::format("was cut short: {} of {} bytes are there", count_text(file.size()),
+                          count_text(file.stated_end())),
+              file.path().string(),
+              "copy it again; if this is all there is: thermorig recover " + file.path().string());
+}
+
+Salvaged salvage(const StoredFile& file) {
+  // Of a file that says that it ought to have a thousand times as many bytes nothing can be left.
+  constexpr std::uint64_t largest_share = 1000;
+  const std::uint64_t whole = std::max(file.stated_end(), file.size());
+  if (whole / largest_share > file.size())
+    refuse(file.path(), "was cut short, and too little is left to make anything of it");
+  try_first(file, whole, read_salvaged);
+  Salvaged left = read_in_turn(file, whole, read_salvaged);
+  left.bytes_missing = whole - file.size();
+  const bool has_frames = left.raw.received[Device::camera].chunk_count() > 0;
+  if (!has_frames)
+    refuse(file.path(), fmt::format("was cut short before the raw data of its camera: {} of {} bytes "
+                                    "are there",
+                                    count_text(file.size()), count_text(whole)));
+  return left;
 }
 
 }  // namespace thermorig::session

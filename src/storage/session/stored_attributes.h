@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hdf5_handle.h"
-#include "thermorig/storage/sandbox/sealed_copy.h"
+#include "thermorig/storage/session/stored_file.h"
 
 namespace thermorig::session {
 
@@ -54,7 +54,7 @@ struct AddedByOthers {
 };
 
 /// Throws as read_session() does.
-AddedByOthers added_by_others(const sandbox::SealedCopy& copy);
+AddedByOthers added_by_others(const StoredFile& file);
 
 /// Puts attributes on the same objects of another file, as far as these are there and have none of the name.
 void add_attributes(hid_t file, const std::vector<StoredAttribute>& attributes);

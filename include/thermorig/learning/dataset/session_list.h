@@ -25,13 +25,13 @@ struct ListedSession {
   std::vector<std::string> notes;      // of the recording, the operator's marks, later ones; in this order
 };
 
-/// The copy of the file of that index that is looked at. May be called from several threads; throws Error.
-using OpenCopy = std::function<sandbox::SealedCopy(std::size_t index)>;
+/// Opens the file of that index. May be called from several threads; throws Error.
+using OpenFile = std::function<session::StoredFile(std::size_t index)>;
 
 /// Looks at all files, on all cores; in their order. A file that is no session keeps nobody from the others.
 /// `open`: empty: the file as it stands there.
 std::vector<ListedSession> list_sessions(const std::vector<std::filesystem::path>& files,
-                                         const ReadingProgress& progress = {}, const OpenCopy& open = {});
+                                         const ReadingProgress& progress = {}, const OpenFile& open = {});
 
 /// The simulated rig's world of a recording, as `simulation` in its header ends: "honest",
 /// "hard,gyro.bandwidth_hz=20"; empty of a real rig, and where the header says none.

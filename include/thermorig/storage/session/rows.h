@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "thermorig/core/frame.h"
-#include "thermorig/storage/sandbox/sealed_copy.h"
 #include "thermorig/storage/session/session.h"
 
 namespace thermorig::session {
@@ -27,9 +26,8 @@ struct Rows {
   bool verdict_altered = false;  // it is not as thermorig wrote it; formats before 1.3 cannot tell
 };
 
-/// Of a copy that another process reads, or that is known to do no harm: nobody tries it first. Throws as
-/// read_session() does, for what it reads.
-Rows read_rows(const sandbox::SealedCopy& copy);
+/// Throws as read_session() does, for what it reads.
+Rows read_rows(const StoredFile& file);
 
 struct FrameRange {
   std::uint64_t first = 0, count = 0;
@@ -44,6 +42,6 @@ struct Images {
 /// Images of neighbouring frames, as the sensor sent them. They are held against the check sums of their
 /// chunks, not against that of all images. Throws as read_rows() does; Error(not_a_session) also for frames
 /// that there are not, and for more than most_images.
-Images read_images(const sandbox::SealedCopy& copy, FrameRange range);
+Images read_images(const StoredFile& file, FrameRange range);
 
 }  // namespace thermorig::session

@@ -14,7 +14,7 @@
 #include "thermorig/core/sync.h"
 #include "thermorig/io/files/replaced_file.h"
 #include "thermorig/sensors/wire/counters.h"
-#include "thermorig/storage/sandbox/sealed_copy.h"
+#include "thermorig/storage/session/stored_file.h"
 
 namespace thermorig::session {
 
@@ -108,11 +108,11 @@ std::vector<std::string> write_again(files::PartFile& part, const std::filesyste
                                      const Session& session, files::Disk& disk = files::real_disk());
 
 /// Reads a whole session. Throws Error(not_a_session) if it is not one, is damaged, or is of another major
-/// version, and as tried_copy() does (trial.h). This and what follows may be called from several threads: one
-/// at a time is in the HDF5 library.
+/// version; Error as StoredFile does. A child process reads it first, if try_sessions_first() was called
+/// (trial.h). This and what follows may be called from several threads: one at a time is in the HDF5 library.
 Session read_session(const std::filesystem::path& path);
-/// The same of a copy that was made before.
-Session read_session(const sandbox::SealedCopy& copy);
+/// The same of a file that is open.
+Session read_session(const StoredFile& file);
 
 /// A session as its figures tell it.
 struct Overview {
@@ -121,7 +121,7 @@ struct Overview {
 };
 
 /// Looks at all of the file as read_session() does, and throws as that, but keeps less of it.
-Overview read_overview(const sandbox::SealedCopy& copy);
+Overview read_overview(const StoredFile& file);
 
 /// Reads only what is needed to make the session again: header, raw bytes, events, legs.
 RawRecording read_raw(const std::filesystem::path& path);

@@ -6,26 +6,15 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "thermorig/storage/sandbox/sandbox.h"
-#include "thermorig/storage/sandbox/sealed_copy.h"
 #include "thermorig/storage/session/rows.h"
 
 namespace thermorig::view {
 
-/// What children are asked to make of a session for a page: for session::try_sessions_first().
-std::vector<sandbox::Task> tasks();
-
-inline constexpr std::uint64_t overview_bytes_max = 512U << 20U;  // of facts and rows
-
-/// A finished session as a page is sent it. A child process reads the file, and its answers are handed on as
-/// they are: who shows them must not believe them. Where no child was started (session::try_sessions_first())
-/// the file is read in this process, as suits tests. docs/session_page.md says what the bytes are.
+/// A finished session as a page is sent it. docs/session_page.md says what the bytes are.
 class SessionView {
  public:
-  /// `every`: a row for every n-th frame, 1 at least. Throws as read_session() does for what it reads, and
-  /// Error(not_a_session) for a session whose rows take more than overview_bytes_max.
+  /// `every`: a row for every n-th frame, 1 at least. Throws as read_session() does for what it reads.
   explicit SessionView(const std::filesystem::path& path, std::uint64_t every = 1);
 
   std::uint64_t frames() const { return frames_; }
@@ -38,9 +27,7 @@ class SessionView {
   std::string images(session::FrameRange range) const;
 
  private:
-  std::string ask(std::size_t task, const std::string& request, std::uint64_t bytes_max) const;
-
-  sandbox::SealedCopy copy_;
+  session::StoredFile file_;
   std::uint64_t frames_ = 0;
   std::string facts_, rows_;
 };
