@@ -126,6 +126,20 @@ TEST_F(Train, LearnsFromMadeUpRoomsAloneOrBesideRecordings) {
   EXPECT_EQ(run("train -o nothing.onnx").code, 2);
 }
 
+TEST_F(Train, BeginsWithTheGeneralModelWhereItHasLearntThisCamera) {
+  const Outcome general = run("train recordings --epochs 1 -o general.onnx");
+  ASSERT_EQ(general.code, 0) << general.err;
+  EXPECT_THAT(general.out, AllOf(HasSubstr("begins with the general model, weights "), HasSubstr("Nf 3, Nr 2")));
+  const Outcome none = run("train recordings --epochs 1 --from none -o none.onnx");
+  EXPECT_THAT(none.out, AllOf(Not(HasSubstr("begins with")), HasSubstr("Nf 3, Nr 1")));
+  const Outcome paper = run("train recordings --epochs 1 --preset paper -o paper.onnx");
+  EXPECT_THAT(paper.out, Not(HasSubstr("begins with")));
+  const Outcome evaluated = run("evaluate general recordings --turned 8");
+  ASSERT_EQ(evaluated.code, 0) << evaluated.err;
+  EXPECT_THAT(evaluated.out, AllOf(HasSubstr("windows of MADE-UP rooms"), HasSubstr("sigma that Kg states")));
+  EXPECT_EQ(run("evaluate paper.onnx recordings --turned 8").code, 2);
+}
+
 TEST_F(Train, GoesOnWithANetworkOfItsOwnKindAlone) {
   ASSERT_EQ(run(small + "-o model.onnx").code, 0);
   const Outcome on = run("train recordings --epochs 1 --from model.onnx -o on.onnx");
@@ -245,7 +259,7 @@ TEST_F(Train, LearnsTheLabelThatIsAskedForAndSaysSoEverywhere) {
     EXPECT_EQ(outcome.lines()[0]["label"], name);
     EXPECT_EQ(nlohmann::json::parse(file_text(at(name + ".run/run.json")))["settings"]["label"], name);
     EXPECT_THAT(run("evaluate " + name + ".onnx recordings").out,
-                AllOf(HasSubstr("trained on rate_" + name + " of 1 acquisition"),
+                AllOf(HasSubstr("trained on rate_" + name + " of 2 acquisitions"),
                       HasSubstr("against the commanded speed"), HasSubstr("against the shaft"),
                       HasSubstr("chosen by, 2 of the tested")));
     ASSERT_EQ(run("export --c-header " + name + ".onnx -o " + name).code, 0);
