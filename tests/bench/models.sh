@@ -16,7 +16,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
 if [ "${1-}" = --general ]; then
-  "$thermorig" train --made-rooms --lens 55 --nf 3 --nr 2 --epochs @EPOCHS@ --seed 1 -o "$folder/general-55.onnx"
+  "$thermorig" train --made-rooms --lens 55 --nf 3 --nr 2 --epochs 150 --seed 1 -o "$folder/general-55.onnx"
   mv "$folder/general-55.onnx" docs/models/
   exit
 fi
