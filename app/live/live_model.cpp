@@ -21,7 +21,7 @@ void require_view(const network::CameraView& learnt, const CameraProfile& camera
       fmt::format("the model has learnt a lens of {:.0f} degrees{}, and this camera has one of {:.0f}{}",
                   learnt.width_deg, learnt.mirrored ? ", mirrored" : "", here.width_deg,
                   here.mirrored ? ", mirrored" : ""),
-      where, "a model of such a camera, or another --profile");
+      where, "a model of such a camera, or another profile: --rig");
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ evaluate general_turned general 8
 if [ "$refined" = 1 ]; then
   recorded=build/paper-study/raw
   record_table_one raw "$recorded"
-  "$thermorig" train "$recorded"/{laboratory,dining,kitchen}/*.h5 "$recorded"/garden/garden_acq-0[1-5]*.h5 --made-rooms \
+  "$thermorig" train "$recorded"/{laboratory,dining,kitchen}/*.h5 "$recorded"/garden/garden_acq-0[1-5]*.h5 \
     --label shaft -o "$folder/refined.onnx" >&2
   evaluate refined "$folder/refined.onnx" 1
   evaluate refined_turned "$folder/refined.onnx" 8
