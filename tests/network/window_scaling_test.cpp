@@ -98,6 +98,23 @@ TEST(Turn, NegatesTheSpeedWhereItIsMirroredOrBackwardsButNotBoth) {
   EXPECT_TRUE(std::equal(turned.rbegin(), turned.rend(), window.begin()));
 }
 
+TEST(TurnedOutputs, AreWeighedByTheirOddsAndHaveTheirTurnsSign) {
+  TurnedOutputs sum;
+  sum.add({.thermal = 0.5F, .gain = 0.5F}, Turn(0), true);
+  sum.add({.thermal = -0.8F, .gain = 0.8F}, Turn(1), true);  // mirrored; odds of 4 against 1
+  const Output mean = sum.mean(0.1F, true);
+  EXPECT_NEAR(mean.thermal, (0.5F + 4.0F * 0.8F) / 5.0F, 1e-6F);
+  EXPECT_NEAR(mean.gain, 0.75F, 1e-6F);  // odds of 1.5 sqrt(1 x 4)
+  EXPECT_NEAR(mean.fusion, 0.75F * mean.thermal + 0.25F * 0.1F, 1e-6F);
+}
+
+TEST(TurnedOutputs, OfAThermalOnlyNetCountAlike) {
+  TurnedOutputs sum;
+  sum.add({.thermal = 0.4F}, Turn(2), false);
+  sum.add({.thermal = -0.6F}, Turn(4), false);
+  EXPECT_NEAR(sum.mean(0.9F, false).fusion, 0.5F, 1e-6F);
+}
+
 TEST(Scaling, OfSpeedsFollowsTheTimeBetweenFrames) {
   const Scaling scaling = scaling_by_window();
   EXPECT_EQ(scaling.speed_scale_dps(0.125), 200.0F);
