@@ -129,7 +129,8 @@ TEST_F(Train, LearnsFromMadeUpRoomsAloneOrBesideRecordings) {
 TEST_F(Train, BeginsWithTheGeneralModelWhereItHasLearntThisCamera) {
   const Outcome general = run("train recordings --epochs 1 -o general.onnx");
   ASSERT_EQ(general.code, 0) << general.err;
-  EXPECT_THAT(general.out, AllOf(HasSubstr("begins with the general model, weights "), HasSubstr("Nf 3, Nr 2")));
+  EXPECT_THAT(general.out,
+              AllOf(HasSubstr("begins with the general model, weights "), HasSubstr("Nf 3, Nr 2")));
   const Outcome none = run("train recordings --epochs 1 --from none -o none.onnx");
   EXPECT_THAT(none.out, AllOf(Not(HasSubstr("begins with")), HasSubstr("Nf 3, Nr 1")));
   const Outcome paper = run("train recordings --epochs 1 --preset paper -o paper.onnx");

@@ -67,7 +67,8 @@ TEST(ModelFileByWindow, IsRefusedWhereItsGraphScalesOtherwise) {
               HasSubstr("frame_period_s say"));
   EXPECT_THAT(refused([](EditedFile& f) { f.node("thermal").set_input(0, "speed3"); }),
               HasSubstr("another network"));
-  EXPECT_THAT(refused([](EditedFile& f) { f.node("conv1").set_input(0, "unclamped"); }), HasSubstr("and not both"));
+  EXPECT_THAT(refused([](EditedFile& f) { f.node("conv1").set_input(0, "unclamped"); }),
+              HasSubstr("and not both"));
   EXPECT_THAT(refused([](EditedFile& f) { f.set_key("scaling", "row"); }), HasSubstr("scaled by 'row'"));
   EXPECT_THAT(refused([](EditedFile& f) { f.remove_key("scaling"); }), HasSubstr("version"));
   EXPECT_THAT(refused([](EditedFile& f) { f.set_key("frame_period_s", "0"); }), HasSubstr("frame_period_s"));
