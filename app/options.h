@@ -202,7 +202,11 @@ struct TrainOptions {
   std::optional<int> frames, reduction, epochs, batch, threads;
   FrameOptions frame_memory;
   std::optional<double> rate, auxiliary_thermal, label_scale_dps;
-  std::optional<bool> mirror, choose_epoch;
+  std::optional<int> symmetries;
+  std::optional<bool> choose_epoch;
+  std::string from;         // model file to begin with, or "none"; empty: the general one, where it fits
+  bool made_rooms = false;  // alone, or half of each batch beside recordings
+  std::optional<double> lens_deg;  // of made-up rooms
   bool fusion = true;
   std::uint64_t seed = 1;
   bool resume = false;
@@ -231,6 +235,7 @@ struct EvaluateOptions {
   std::optional<std::string> shard;  // of a study: only a part of its jobs, "3/8"
   bool require_complete = false;     // to draw: only if all jobs of the study have a result
   bool baselines = false;            // of a study: only compute the gyro's rows of its results again
+  int turned = 1;                    // of a model on sessions: 8, the mean of each window's eight turns
   bool bound = false;                // of a model on sessions: errors beside the bound of each window
   bool accept_bad = false;           // sessions whose verdict is bad
   bool json = false;

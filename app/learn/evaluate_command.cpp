@@ -54,6 +54,9 @@ ExitCode run(const EvaluateOptions& options) {
   if (options.label && !options.study)
     throw Error(ExitCode::bad_usage, "--label is that of a study: a model says itself which one it learnt",
                 "", "thermorig evaluate --study recordings -o study --label shaft");
+  if (options.turned != 1 && (options.live || options.study))
+    throw Error(ExitCode::bad_usage, "--turned is of a model on sessions", "",
+                "thermorig evaluate model.onnx recordings --turned 8");
   if (options.bound && (options.live || options.study))
     throw Error(ExitCode::bad_usage, "--bound is of a model on sessions", "",
                 "thermorig evaluate model.onnx recordings --bound");

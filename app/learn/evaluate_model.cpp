@@ -8,10 +8,10 @@
 #include "evaluate_numbers.h"
 #include "evaluate_parts.h"
 #include "frame_memory.h"
+#include "general_model.h"
 #include "print/output.h"
 #include "report_files.h"
 #include "session_data.h"
-#include "thermorig/io/files/existing.h"
 #include "thermorig/learning/report/report.h"
 
 namespace thermorig::app {
@@ -21,14 +21,14 @@ namespace {
 using network::Acquisition;
 
 std::vector<study::JudgedWindow> judged_by(const model::Model& model,
-                                           const std::vector<Acquisition>& acquisitions) {
+                                           const std::vector<Acquisition>& acquisitions, int turned) {
   const std::vector<network::Window> windows =
       network::find_windows(acquisitions, model.weights.shape.frames);
   if (windows.empty())
     throw Error(ExitCode::bad_usage,
                 fmt::format("the sessions have no window of {} valid frames", model.weights.shape.frames), "",
                 "thermorig inspect --check says what is wrong with them");
-  return study::judged_windows(model, acquisitions, windows);
+  return study::judged_windows(model, acquisitions, windows, turned);
 }
 
 /// Tested acquisitions that the model knows already.
@@ -64,6 +64,16 @@ std::vector<std::string> without_bounds(const std::vector<Acquisition>& acquisit
   return names;
 }
 
+/// Whose camera is none that the model has learnt, as far as both know theirs.
+std::vector<std::string> with_another_view(const model::Model& model,
+                                           const std::vector<Acquisition>& acquisitions) {
+  std::vector<std::string> names;
+  const auto& view = model.provenance.view;
+  for (const Acquisition& acquisition : acquisitions)
+    if (view && acquisition.view && !view->fits(*acquisition.view)) names.push_back(acquisition.name);
+  return names;
+}
+
 std::vector<std::string> warnings_of(const model::Model& model, const ModelEvaluation& evaluated,
                                      const std::vector<Acquisition>& acquisitions) {
   std::vector<std::string> warnings;
@@ -78,6 +88,12 @@ std::vector<std::string> warnings_of(const model::Model& model, const ModelEvalu
   if (!better.empty())
     warnings.push_back(fmt::format("without a network, {} {} a lower MSE than {}", fmt::join(better, ", "),
                                    better.size() == 1 ? "has" : "have", study::fusion_name));
+  const std::vector<std::string> other_view = with_another_view(model, acquisitions);
+  if (!other_view.empty())
+    warnings.push_back(
+        fmt::format("the model has learnt another lens, other frames or another orientation than "
+                    "those of {}",
+                    fmt::join(other_view, ", ")));
   const std::vector<std::string> unbounded = without_bounds(acquisitions);
   if (!unbounded.empty())
     warnings.push_back(fmt::format(
@@ -97,8 +113,8 @@ void write_model_report(const std::filesystem::path& folder, const model::Model&
 }  // namespace
 
 ExitCode evaluate_model(const EvaluateOptions& options) {
-  files::require_existing(options.model);
-  const model::Model model = model::read_model(options.model);
+  const NamedModel named = named_model(options.model);
+  const model::Model& model = named.model;
   FrameMemory memory(options.frame_memory, options.output.empty() ? options.model : options.output);
   dataset::Acquisitions data =
       memory.read(session_options(options), model.weights.shape.pixels() * sizeof(float));
@@ -106,7 +122,7 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
   memory.run_estimators(data, options.json, all_of_them, options.bound ? model.weights.shape.frames : 0);
   const std::vector<Acquisition>& acquisitions = data.acquisitions;
   ModelEvaluation evaluated;
-  evaluated.evaluation = study::evaluate(judged_by(model, acquisitions), acquisitions,
+  evaluated.evaluation = study::evaluate(judged_by(model, acquisitions, options.turned), acquisitions,
                                          {.label_scale_dps = double{model.scaling.label_scale_dps}});
   evaluated.warnings = warnings_of(model, evaluated, acquisitions);
   if (!options.output.empty()) write_model_report(options.output, model, evaluated.evaluation);
@@ -116,7 +132,7 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
     memory.add_to(object);
     print_json(object);
   } else {
-    print("{}", model_text(options.model.filename().string(), model, evaluated));
+    print("{}", model_text(named.name, model, evaluated));
   }
   return ExitCode::ok;
 }

@@ -27,7 +27,10 @@ std::string facts_text(const std::string& name, const model::Model& model) {
       fmt::format("{}: {}, Nf {}, Nr {}, {} weights, {} multiply-adds a window\n", printable(name),
                   shape.fusion ? "fusion" : "thermal-only", shape.frames, shape.reduction,
                   count_text(network::weight_count(shape)), count_text(network::multiply_adds(shape)));
-  if (origin.training.empty()) return text + "trained on: not stated\n";
+  if (origin.made_windows > 0)
+    text += fmt::format("trained on {} windows of MADE-UP rooms\n", count_text(origin.made_windows));
+  if (!origin.begun_from.empty()) text += fmt::format("begun from {}\n", printable(origin.begun_from));
+  if (origin.training.empty()) return origin.made_windows > 0 ? text : text + "trained on: not stated\n";
   return text + fmt::format("trained on {} of {} acquisition{}, preset {}, seed {}, epoch {} of {}{}\n",
                             origin.label ? column_of(*origin.label) : "a label that is not stated",
                             origin.training.size(), origin.training.size() == 1 ? "" : "s",
@@ -93,6 +96,22 @@ std::string gate_text(const study::GainStatistics& gain) {
                      percent_text(gain.below_002), percent_text(gain.above_098));
 }
 
+std::string sigma_text(const study::Evaluation& evaluation) {
+  if (!evaluation.sigma) return "";
+  Table table({"sigma that Kg states", ">median deg/s", ">within one", ">within two", ">Kg 5 %", ">95 %",
+               ">fusion deg/s"});
+  const auto add = [&](const std::string& name, const study::GateSigma& sigma) {
+    table.add({name, rate_text(sigma.median_dps), percent_text(sigma.within_one),
+               percent_text(sigma.within_two), gain_text(sigma.gain_p05), gain_text(sigma.gain_p95),
+               rate_text(sigma.fusion_rmse_dps)});
+  };
+  for (const study::EnvironmentErrors& environment : evaluation.environments)
+    if (environment.sigma) add(printable(environment.name), *environment.sigma);
+  add("all", *evaluation.sigma);
+  return fmt::format("{}(fusion: in expectation over a gyro that is off by {:g} deg/s)\n\n", table.text(),
+                     study::expected_gyro_dps);
+}
+
 std::string angles_text(const study::Evaluation& evaluation) {
   Table table = estimator_table({"drift of the angle, deg/min"}, {">over"});
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
@@ -114,7 +133,8 @@ std::string model_text(const std::string& name, const model::Model& model, const
   if (evaluated.evaluation.environments.size() > 1)
     text += environments_text(evaluated.evaluation.environments);
   text += bounds_text(evaluated.evaluation.bounds);
-  text += gate_text(evaluated.evaluation.gain) + angles_text(evaluated.evaluation);
+  text += gate_text(evaluated.evaluation.gain) + sigma_text(evaluated.evaluation) +
+          angles_text(evaluated.evaluation);
   if (!evaluated.warnings.empty()) text += "\n";
   for (const std::string& warning : evaluated.warnings) text += "warning: " + printable(warning) + "\n";
   return text;

@@ -121,6 +121,11 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
       "--bound", options.bound,
       "Beside the errors of a model and of all estimators what the images of each window tell at "
       "best (Cramer-Rao bound)");
+  command
+      .add_option("--turned", options.turned,
+                  "8: the model's mean over each window's eight turns; 1 (default): the window alone")
+      ->check(CLI::IsMember({1, 8}))
+      ->type_name("N");
   command.add_flag("--accept-bad", options.accept_bad,
                    "Take bad sessions; without it those of a folder are left out");
   add_json(command, options.json);

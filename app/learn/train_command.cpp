@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +10,7 @@
 #include "build_information.h"
 #include "commands.h"
 #include "frame_memory.h"
+#include "general_model.h"
 #include "interrupts.h"
 #include "options.h"
 #include "session_data.h"
@@ -77,10 +80,65 @@ TrainingConfig training_config(const TrainOptions& options) {
   if (options.auxiliary_thermal)
     config.loss.auxiliary_thermal = static_cast<float>(*options.auxiliary_thermal);
   if (options.label_scale_dps) config.label_scale_dps = static_cast<float>(*options.label_scale_dps);
-  config.mirror = options.mirror.value_or(config.mirror);
+  config.symmetries = options.symmetries.value_or(config.symmetries);
   config.choose_epoch = options.choose_epoch.value_or(config.choose_epoch);
   config.seed = options.seed;
   config.preset = training::preset_of(config);
+  training::check(config);
+  return config;
+}
+
+/// The camera of the sessions; none: they have several, or there is none.
+std::optional<network::CameraView> view_of(const std::vector<Acquisition>& acquisitions) {
+  if (acquisitions.empty()) return std::nullopt;
+  const std::optional<network::CameraView> view = acquisitions.front().view;
+  for (const Acquisition& acquisition : acquisitions)
+    if (!view || !acquisition.view || !view->fits(*acquisition.view)) return std::nullopt;
+  return view;
+}
+
+/// Can this training go on with that network?
+bool goes_on(const model::Model& model, const TrainOptions& options, const TrainingConfig& config) {
+  const network::Shape& shape = model.weights.shape;
+  return model.scaling.by_window && config.window_scaling &&
+         model.scaling.label_scale_dps == config.label_scale_dps && shape.fusion == options.fusion &&
+         shape.frames == options.frames.value_or(shape.frames) &&
+         shape.reduction == options.reduction.value_or(shape.reduction);
+}
+
+/// The network that was asked for. Throws Error(bad_usage) for one that this training cannot go on with.
+model::Model named_beginning(const TrainOptions& options, const TrainingConfig& config) {
+  model::Model model = named_model(options.from).model;
+  if (goes_on(model, options, config)) return model;
+  throw Error(ExitCode::bad_usage, "a training goes on only with a network of its own kind", options.from,
+              "one that scales each window by itself (preset best), with the same --nf, --nr, --label-scale "
+              "and --fusion or --thermal-only; or --from none");
+}
+
+void begin_with(TrainingConfig& config, const model::Model& model, const std::string& name) {
+  config.shape = model.weights.shape;
+  config.from = std::make_shared<training::Beginning>(
+      training::Beginning{fmt::format("{}, weights {}", name, model::sum_of(model.weights)), model.weights});
+}
+
+/// What depends on the sessions: the made-up rooms beside them, and the network to begin with.
+TrainingConfig completed(TrainingConfig config, const TrainOptions& options,
+                         const std::vector<Acquisition>& acquisitions) {
+  const std::optional<network::CameraView> view = view_of(acquisitions);
+  if (options.made_rooms) {
+    if (!view && !acquisitions.empty() && !options.lens_deg)
+      throw Error(ExitCode::bad_usage, "the sessions have several cameras, and a made-up room is seen by one",
+                  "", "--lens 55, or the sessions of one camera");
+    config.made.windows = acquisitions.empty() ? config.batch : std::max(1, config.batch / 2);
+    config.made.view = view.value_or(network::CameraView{});
+    config.made.view.width_deg = options.lens_deg.value_or(config.made.view.width_deg);
+  }
+  if (options.from == "none") return config;
+  if (!options.from.empty())
+    begin_with(config, named_beginning(options, config), fs::path(options.from).filename().string());
+  else if (view)
+    if (const auto general = general_model(*view); general && goes_on(*general, options, config))
+      begin_with(config, *general, general_model_name);
   training::check(config);
   return config;
 }
@@ -111,13 +169,15 @@ class Run {
  public:
   Run(const TrainOptions& options, const TrainingConfig& config)
       : options_(options),
-        config_(config),
         memory_(options.frame_memory, run_folder_of(options)),
-        data_(read()),
-        description_(description_of(config, label_named(options.label), data_.acquisitions)),
+        data_(read(config)),
+        config_(completed(config, options, data_.acquisitions)),
+        description_(description_of(config_, label_named(options.label), data_.acquisitions)),
         folder_(options.resume ? RunFolder::reopen(run_folder_of(options), description_)
                                : RunFolder::create(run_folder_of(options), description_)),
-        output_(make_train_output(config, options.json)) {}
+        output_(make_train_output(config_, options.json)) {
+    training::check_data(config_, data_.acquisitions);
+  }
 
   ExitCode run() {
     const int threads = thread_count(options_);
@@ -134,13 +194,14 @@ class Run {
 
  private:
   /// Refused before there is a run folder.
-  dataset::Acquisitions read() {
+  dataset::Acquisitions read(const TrainingConfig& config) {
+    if (options_.paths.empty()) return {};
     dataset::Acquisitions data = memory_.read({.paths = options_.paths,
                                                .accept_bad = options_.accept_bad,
                                                .json = options_.json,
                                                .label = label_named(options_.label)},
-                                              config_.shape.pixels() * sizeof(float));
-    training::check_data(config_, data.acquisitions);
+                                              config.shape.pixels() * sizeof(float));
+    training::check_data(config, data.acquisitions);
     return data;
   }
 
@@ -179,8 +240,10 @@ class Run {
     training::Fits fits;
     if (result.model.provenance.epoch_kept > 0) {
       write(result.model);
-      fits = training::fits_of(result.model, config_, data_.acquisitions);
-      end.fits = &fits;
+      if (!data_.acquisitions.empty()) {
+        fits = training::fits_of(result.model, config_, data_.acquisitions);
+        end.fits = &fits;
+      }
       end.model = options_.output.string();
     }
     output_->end(end);
@@ -188,9 +251,9 @@ class Run {
   }
 
   const TrainOptions& options_;
-  const TrainingConfig& config_;
   FrameMemory memory_;
   dataset::Acquisitions data_;
+  const TrainingConfig config_;
   training::RunDescription description_;
   RunFolder folder_;
   std::unique_ptr<TrainOutput> output_;
@@ -204,6 +267,9 @@ class Run {
 ExitCode run(const TrainOptions& options) {
   const TrainingConfig config = training_config(options);
   label_named(options.label);  // refuses before sessions are read
+  if (options.paths.empty() && !options.made_rooms)
+    throw Error(ExitCode::bad_usage, "train needs sessions, or --made-rooms", "",
+                "thermorig train recordings -o model.onnx");
   require_free(options.output, options.resume ? run_folder_of(options) / "model.onnx" : "");
   return Run(options, config).run();
 }

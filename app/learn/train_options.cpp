@@ -23,8 +23,9 @@ void add_choice(CLI::App& command, const std::string& name, std::optional<bool>&
 
 void add_settings(CLI::App& command, TrainOptions& options) {
   command
-      .add_option("--preset", options.preset,
-                  "best (default): auxiliary loss, mirror, chosen epoch; paper: to the letter")
+      .add_option(
+          "--preset", options.preset,
+          "best (default): likelihood, 8 symmetries, each window scaled by itself; paper: to the letter")
       ->check(CLI::IsMember({"best", "paper"}))
       ->type_name("NAME");
   command
@@ -36,18 +37,23 @@ void add_settings(CLI::App& command, TrainOptions& options) {
   command.add_option("--batch", options.batch, "Windows a step, 1 to 32 (default 32)")
       ->check(CLI::Range(1, 32))
       ->type_name("N");
-  command.add_option("--rate", options.rate, "Learning rate of Adam (default 0.001)")->type_name("R");
+  command.add_option("--rate", options.rate, "Learning rate of Adam (default: the preset's)")->type_name("R");
   command
       .add_option("--auxiliary-thermal", options.auxiliary_thermal,
                   "Weight of the loss on the thermal estimate alone; 0: none, as in the paper")
       ->type_name("W");
-  add_choice(command, "mirror", options.mirror, "Show half of the windows flipped, speed and gyro negated");
+  command
+      .add_option(
+          "--symmetries", options.symmetries,
+          "1: windows as they are; 2: half of them flipped, speed negated; 8: also upside down and backwards")
+      ->check(CLI::IsMember({1, 2, 8}))
+      ->type_name("N");
   add_choice(command, "choose-epoch", options.choose_epoch,
              "Keep the epoch that is best on one held-out acquisition, or the last one");
   command
       .add_option("--label-scale", options.label_scale_dps, "Speeds are divided by it (default 200 deg/s)")
       ->type_name("DPS");
-  command.add_option("--seed", options.seed, "Of first weights, order, mirror, held-out acquisition")
+  command.add_option("--seed", options.seed, "Of first weights, order, symmetries, made-up rooms")
       ->check(not_negative())
       ->type_name("SEED")
       ->capture_default_str();
@@ -80,10 +86,21 @@ void add_frame_memory(CLI::App& command, FrameOptions& options, const std::strin
 
 void add_train(CLI::App& root, TrainOptions& options) {
   CLI::App& command = *root.add_subcommand("train", "Train the fusion network on sessions");
-  command.add_option("PATH", options.paths, "Session files (.h5), or folders that hold them")->required();
+  command.add_option("PATH", options.paths, "Session files (.h5), or folders that hold them");
   command.add_option("-o,--output", options.output, "Model file (ONNX) to write")
       ->type_name("FILE")
       ->default_str("model.onnx");
+  command.add_flag("--made-rooms", options.made_rooms,
+                   "Learn from rooms that are made up meanwhile; beside sessions, half of each batch");
+  command
+      .add_option("--lens", options.lens_deg,
+                  "Field of view that sees them (default: the sessions', else 55)")
+      ->check(CLI::Range(20.0, 180.0))
+      ->type_name("DEG");
+  command
+      .add_option("--from", options.from,
+                  "Model to begin with, or none (default: the general model, where lens and frames fit)")
+      ->type_name("FILE");
   add_network(command, options);
   add_settings(command, options);
   command
@@ -102,6 +119,7 @@ void add_train(CLI::App& root, TrainOptions& options) {
   command.footer(
       "Examples:\n"
       "  thermorig train recordings/ -o model.onnx\n"
+      "  thermorig train --made-rooms -o general.onnx\n"
       "  thermorig train recordings/ -o paper.onnx --preset paper --nf 3 --nr 1\n"
       "  thermorig train recordings/ -o model.onnx --resume");
 }

@@ -21,14 +21,21 @@ std::string error_text(double mse, const TrainingConfig& config) {
   return fmt::format("{} (RMSE {} deg/s)", mse_text(mse), rate_text(training::rmse_dps(mse, config)));
 }
 
+std::string symmetries_text(const TrainingConfig& config) {
+  if (config.symmetries == 1) return "no mirror";
+  return config.symmetries == 2 ? "mirror" : "8 symmetries";
+}
+
 std::string settings_text(const TrainingConfig& config, Label label) {
   const std::string auxiliary =
-      config.loss.auxiliary_thermal > 0 && config.shape.fusion
+      config.loss.likelihood && config.shape.fusion ? "likelihood"
+      : config.loss.auxiliary_thermal > 0 && config.shape.fusion
           ? fmt::format("auxiliary thermal loss {:g}", config.loss.auxiliary_thermal)
           : "no auxiliary loss";
-  return fmt::format("{}: label {}, {} epoch{}, batch {}, rate {:g}, {}, {}, {}, seed {}", config.preset,
+  return fmt::format("{}: label {}, {} epoch{}, batch {}, rate {:g}, {}, {}, {}, {}, seed {}", config.preset,
                      column_of(label), config.epochs, config.epochs == 1 ? "" : "s", config.batch,
-                     config.adam.rate, auxiliary, config.mirror ? "mirror" : "no mirror",
+                     config.adam.rate, auxiliary, symmetries_text(config),
+                     config.window_scaling ? "scaled by the window" : "scaled by the data set",
                      config.choose_epoch ? "epoch chosen on a held-out acquisition" : "last epoch kept",
                      config.seed);
 }
@@ -63,6 +70,14 @@ std::string data_text(const TrainStart& start) {
     text += fmt::format("no window of {} valid frames in a row: {}\n", start.config.shape.frames,
                         printable(fmt::format("{}", fmt::join(counts.without, ", "))));
   return text;
+}
+
+std::string made_rooms_text(const TrainingConfig& config) {
+  const training::MadeRooms& made = config.made;
+  if (made.windows == 0) return "";
+  return fmt::format("MADE-UP rooms: {} of {} windows a step, seen through {:g} degrees, {} frames\n",
+                     made.windows, config.batch, made.view.width_deg,
+                     made.view.half_frames ? "half" : "full");
 }
 
 std::string fit_row(const char* name, double mse, const TrainingConfig& config) {
@@ -132,7 +147,9 @@ WindowCounts count_windows(const TrainStart& start) {
 }
 
 std::string start_text(const TrainStart& start) {
-  std::string text = data_text(start) + simulated_text(start);
+  std::string text = start.data.acquisitions.empty() ? "" : data_text(start) + simulated_text(start);
+  text += made_rooms_text(start.config);
+  text += start.config.from ? fmt::format("begins with {}\n", printable(start.config.from->name)) : "";
   text += network_text(start) + "\n" + settings_text(start.config, start.label) + "\n";
   text += start.memory.text() + "\n";
   text += fmt::format("run folder {}\n", printable(start.run_folder));

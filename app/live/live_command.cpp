@@ -104,7 +104,7 @@ ExitCode run(const LiveOptions& options) {
   plan.repeat = options.loop;
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
   if (options.keep) require_output(options.record, rig, plan);
-  const ChosenModel model = read_live_model(options.model, options.precision);
+  const ChosenModel model = read_live_model(options.model, options.precision, rig.profile.camera);
   LiveMap map(options.map, rig.profile.camera, rig.simulated.has_value());
   estimators::Bank bank(options.estimators, model.model, rig.profile, model.precision, 1, map.begun_with());
   rig::RecordingOptions recording = recording_options(options.record, rig, plan);

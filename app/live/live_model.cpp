@@ -2,30 +2,41 @@
 #include "live_model.h"
 
 #include <fmt/format.h>
-#include <sha2.h>
+#include <utility>
 
-#include "thermorig/io/files/existing.h"
+#include "general_model.h"
+#include "thermorig/core/error.h"
 
 namespace thermorig::app {
 
 namespace {
 
-std::string sha256_of(const std::filesystem::path& path) {
-  char text[SHA256_DIGEST_STRING_LENGTH] = {};
-  return SHA256File(path.c_str(), text) == nullptr ? std::string() : std::string(text);
+/// Whether frames are half or full only the camera's stream shows.
+void require_view(const network::CameraView& learnt, const CameraProfile& camera, const std::string& where) {
+  const network::CameraView here{
+      .width_deg = camera.lens_width_deg(), .half_frames = learnt.half_frames, .mirrored = camera.mirrored};
+  if (learnt.fits(here)) return;
+  throw Error(
+      ExitCode::bad_usage,
+      fmt::format("the model has learnt a lens of {:.0f} degrees{}, and this camera has one of {:.0f}{}",
+                  learnt.width_deg, learnt.mirrored ? ", mirrored" : "", here.width_deg,
+                  here.mirrored ? ", mirrored" : ""),
+      where, "a model of such a camera, or another profile: --rig");
 }
 
 }  // namespace
 
-ChosenModel read_live_model(const std::filesystem::path& path, const std::string& precision) {
+ChosenModel read_live_model(const std::filesystem::path& path, const std::string& precision,
+                            const CameraProfile& camera) {
   ChosenModel chosen;
   if (path.empty()) return chosen;
-  files::require_existing(path);
-  chosen.model = model::read_model(path);
+  NamedModel named = named_model(path);
+  chosen.model = std::move(named.model);
+  if (const auto& view = chosen.model->provenance.view) require_view(*view, camera, named.name);
   if (precision == "fp16") chosen.precision = network::Precision::fp16_weights;
   const network::Shape& shape = chosen.model->weights.shape;
-  chosen.facts = {.name = path.filename().string(),
-                  .hash = sha256_of(path),
+  chosen.facts = {.name = named.name,
+                  .hash = named.hash,
                   .frames = shape.frames,
                   .reduction = shape.reduction,
                   .fusion = shape.fusion,
@@ -40,7 +51,7 @@ std::vector<std::string> warnings_of(const ChosenModel& model, bool simulated_ri
   if (!model.model) return warnings;
   if (model.facts.simulated && !simulated_rig)
     warnings.push_back(
-        "the model was trained on data of a simulated rig, and this rig is real: its estimates "
+        "the model was trained on simulated data, and this rig is real: its estimates "
         "show that the program works, not what the sensor can do");
   if (frames_per_leg > 0 && model.facts.frames > frames_per_leg)
     warnings.push_back(

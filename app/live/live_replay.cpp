@@ -141,7 +141,7 @@ LiveFacts facts_of(const RawRecording& raw) {
 ExitCode replay_live(const LiveOptions& options) {
   const std::filesystem::path file = one_session_at(*options.replay);
   const RawRecording raw = session::read_raw(file);
-  const ChosenModel model = read_live_model(options.model, options.precision);
+  const ChosenModel model = read_live_model(options.model, options.precision, raw.header.profile.camera);
   watch_interrupts();
   const std::unique_ptr<LivePage> page =
       options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;

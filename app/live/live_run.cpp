@@ -101,7 +101,7 @@ void LiveRun::publish_surroundings() {
 }
 
 void LiveRun::warn_of_scene(const ThermalFrame& frame) {
-  if (!scaling_) return;
+  if (!scaling_ || scaling_->by_window) return;
   const double sum = std::accumulate(frame.temp_c.begin(), frame.temp_c.end(), 0.0);
   const double mean_c = sum / static_cast<double>(frame_pixels);
   const double off = (mean_c - double{scaling_->temp_mean_c}) / double{scaling_->temp_deviation_c};

@@ -60,7 +60,8 @@ Bank::Bank(std::span<const std::string> names, const std::optional<model::Model>
   parts_->setup.frames = frames;
   parts_->setup.map = std::move(map);
   if (model) {
-    parts_->setup.network = std::make_shared<NetworkWindow>(*model, precision);
+    parts_->setup.network =
+        std::make_shared<NetworkWindow>(*model, precision, 1.0 / profile.camera.output_rate_hz);
     parts_->setup.frames = model->weights.shape.frames;
   }
   for (const std::string& name : all) {

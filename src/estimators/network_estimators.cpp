@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The two estimates of the paper's network: its thermal head alone, and what its gate makes of that and the
-// gyro (paper eq. 2). It was trained on windows, and states no sigma.
+// gyro (paper eq. 2). It was trained on windows. Where its gate learnt to, it states a sigma of the first.
 #include "network_estimators.h"
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 
 #include "entries.h"
 #include "thermorig/network/soundness.h"
+#include "thermorig/network/trainer.h"
 #include "window_rates.h"
 
 namespace thermorig::estimators {
@@ -44,10 +45,12 @@ class ThermalEstimator : public Estimator {
   std::optional<RateEstimate> add(const Observation& observation) override {
     const auto& output = network_->look(observation);
     RateEstimate estimate;
-    if (output)
-      estimate.rate_dps = finite_or_unknown(output->thermal * network_->label_scale_dps());
-    else
+    if (output) {
+      estimate.rate_dps = finite_or_unknown(output->thermal * network_->speed_scale_dps());
+      estimate.rate_sigma_dps = network_->sigma_dps(output->gain);
+    } else {
       estimate.reason = network_->reason();
+    }
     if (std::isfinite(estimate.rate_dps)) estimate.state = EstimateState::good;
     estimate.angle_deg = angle_.add(estimate.rate_dps, observation.frame.exposure_end);
     return estimate;
@@ -78,7 +81,7 @@ class FusionEstimator : public Estimator {
 
  private:
   void fuse(const network::Output& output, float gyro_dps, RateEstimate& estimate) const {
-    const float scale_dps = network_->label_scale_dps();
+    const float scale_dps = network_->speed_scale_dps();
     estimate.rate_dps = finite_or_unknown(network::fusion_of(output, gyro_dps / scale_dps) * scale_dps);
     estimate.values[0] = finite_or_unknown(output.gain);
     if (std::isfinite(estimate.rate_dps)) estimate.state = EstimateState::good;
@@ -91,11 +94,21 @@ class FusionEstimator : public Estimator {
 
 }  // namespace
 
-NetworkWindow::NetworkWindow(const model::Model& model, network::Precision precision)
+void FramePeriod::add(HostTime exposure_end, bool follows) {
+  if (follows && last_) {
+    sum_s_ += to_s(exposure_end - *last_);
+    count_ += 1.0;
+  }
+  last_ = exposure_end;
+}
+
+NetworkWindow::NetworkWindow(const model::Model& model, network::Precision precision, double frame_period_s)
     : estimator_(model.weights, precision),
       scaling_(model.scaling),
       prepared_(shape().pixels()),
       images_(static_cast<std::size_t>(shape().frames), shape().pixels()),
+      window_(shape().inputs()),
+      period_(frame_period_s),
       in_a_row_(shape().frames) {}
 
 const std::optional<network::Output>& NetworkWindow::look(const Observation& observation) {
@@ -104,12 +117,25 @@ const std::optional<network::Output>& NetworkWindow::look(const Observation& obs
   const TimedFrame& frame = observation.frame;
   const std::span<const float> temp_c(frame.frame.temp_c);
   const int in_a_row = in_a_row_.push(frame);
+  period_.add(frame.exposure_end, in_a_row > 1);
   network::prepare_frame(temp_c, shape(), scaling_, prepared_);
   images_.push(prepared_);
   output_.reset();
   reason_ = in_a_row > 0 ? EstimateReason::window_incomplete : EstimateReason::no_image;
-  if (in_a_row == shape().frames) output_ = estimator_.estimate(images_.all(), 0.0F);
+  if (in_a_row == shape().frames) output_ = estimate();
   return output_;
+}
+
+network::Output NetworkWindow::estimate() {
+  if (!scaling_.by_window) return estimator_.estimate(images_.all(), 0.0F);
+  std::copy_n(images_.all().data(), window_.size(), window_.data());
+  network::scale_window(window_, shape());
+  return estimator_.estimate(window_, 0.0F);
+}
+
+float NetworkWindow::sigma_dps(float gain) const {
+  if (!scaling_.gate_states_sigma) return RateEstimate::not_known;
+  return static_cast<float>(network::gate_sigma(double{gain}, network::gate_gyro_sigma)) * speed_scale_dps();
 }
 
 Entry cnn_thermal() {

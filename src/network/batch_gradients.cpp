@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "batch_gradients.h"
 
-#include "berhu.h"
+#include "loss.h"
 
 namespace thermorig::network {
 
@@ -59,18 +59,18 @@ BatchGradients::BatchGradients(BatchNetwork& network)
   for (int unit = 0; unit < head_cells; ++unit) hidden_places_[static_cast<std::size_t>(unit)] = unit * cell;
 }
 
-void BatchGradients::begin(const AdamStep* adam) {
+void BatchGradients::begin(const AdamSteps* adam) {
   adam_ = adam;
   turn(network_.at(network_.layout().conv2_weight()), filters2, filters1, turned_.data());
 }
 
-DenseGradientJob BatchGradients::dense_job(std::size_t place) {
+DenseGradientJob BatchGradients::dense_job(std::size_t place, AdamStep AdamSteps::*adam) {
   DenseGradientJob job{};
   job.weights = network_.at(place);
   job.first_moment = first_.data() + place;
   job.second_moment = second_.data() + place;
   if (adam_)
-    job.adam = *adam_;
+    job.adam = adam_->*adam;
   else
     job.weight_gradient = gradient_at(place);
   return job;
@@ -101,7 +101,7 @@ StepLoss BatchGradients::heads(const Batch& batch, const LossConfig& config) {
                               gradient_at(layout.gain2_weight()), gradient_at(layout.gain2_bias()),
                               hidden_first_.data() + head_cells * cell});
 
-  DenseGradientJob job = dense_job(layout.dense2());
+  DenseGradientJob job = dense_job(layout.dense2(), &AdamSteps::others);
   job.heads = 1;
   job.head_rows = hidden2;
   job.head_cells = hidden2;
@@ -120,7 +120,7 @@ StepLoss BatchGradients::heads(const Batch& batch, const LossConfig& config) {
 }
 
 void BatchGradients::dense1(Share share) {
-  DenseGradientJob job = dense_job(network_.layout().dense1());
+  DenseGradientJob job = dense_job(network_.layout().dense1(), &AdamSteps::wide);
   job.heads = network_.layout().heads();
   job.head_rows = hidden1;
   job.head_cells = head_cells;
@@ -179,7 +179,7 @@ void BatchGradients::convolve1(Share share) {
 void BatchGradients::change_small_tensors() {
   const std::size_t small = network_.layout().small();
   const int count = static_cast<int>(network_.layout().size() - small);
-  network_.kernels().adam(*adam_, count, gradient_at(small), network_.at(small), first_.data() + small,
+  network_.kernels().adam(adam_->others, count, gradient_at(small), network_.at(small), first_.data() + small,
                           second_.data() + small);
   network_.pack_convolutions();
 }

@@ -8,6 +8,11 @@
 
 namespace thermorig::network {
 
+/// What Adam does in a step: to the layers that take all features, and to all others.
+struct AdamSteps {
+  AdamStep others, wide;
+};
+
 /// The backward pass of a batch after its forward pass, step by step, each step in shares. Dense weights are
 /// changed on the way, unless `keep_gradient` asked for their gradient; all other gradients are kept, in the
 /// places of BatchLayout.
@@ -20,7 +25,7 @@ class BatchGradients {
   std::span<const float> gradient() const { return {gradient_.data(), gradient_.size()}; }
 
   /// Before a step: what Adam does in it, or nothing to have all gradients kept and no weight changed.
-  void begin(const AdamStep* adam);
+  void begin(const AdamSteps* adam);
 
   // The steps; each needs all shares of the one before.
   StepLoss heads(const Batch& batch, const LossConfig& config);  // one worker's
@@ -31,12 +36,12 @@ class BatchGradients {
   void change_small_tensors();  // one worker's; the weights that are not in dense layers
 
  private:
-  DenseGradientJob dense_job(std::size_t place);
+  DenseGradientJob dense_job(std::size_t place, AdamStep AdamSteps::*adam);
   float* gradient_at(std::size_t place) { return gradient_.data() + place; }
 
   BatchNetwork& network_;
   AlignedFloats gradient_, first_, second_;  // as BatchLayout
-  const AdamStep* adam_ = nullptr;
+  const AdamSteps* adam_ = nullptr;
 
   // Gradients of activations before their ReLU: cells.
   AlignedFloats thermal_, gain_;

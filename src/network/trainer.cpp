@@ -34,8 +34,8 @@ struct Trainer::Parts {
   }
   void convolve1_back(Share share) { gradients.convolve1(share); }
 
-  StepLoss forward_and_backward(const Batch& windows, const AdamStep* adam);
-  AdamStep next_adam_step() const;
+  StepLoss forward_and_backward(const Batch& windows, const AdamSteps* adam);
+  AdamStep next_adam_step(double rate_share) const;
 
   TrainerConfig config;
   Workers& workers;
@@ -52,7 +52,7 @@ struct Trainer::Parts {
   };
 };
 
-StepLoss Trainer::Parts::forward_and_backward(const Batch& windows, const AdamStep* adam) {
+StepLoss Trainer::Parts::forward_and_backward(const Batch& windows, const AdamSteps* adam) {
   assert(!windows.frames.empty() && windows.frames.size() <= max_batch);
   assert(windows.label.size() == windows.frames.size());
   assert(!network.shape().fusion || windows.gyro.size() == windows.frames.size());
@@ -74,12 +74,12 @@ StepLoss Trainer::Parts::forward_and_backward(const Batch& windows, const AdamSt
 constexpr double least_rate = 1e-15;  // moves no weight, but can be divided by
 
 /// Kingma & Ba 2015, section 2: the corrections of both moments' bias in the rate.
-AdamStep Trainer::Parts::next_adam_step() const {
+AdamStep Trainer::Parts::next_adam_step(double rate_share) const {
   const AdamConfig& adam = config.adam;
   const double step = static_cast<double>(steps + 1);
   const double first = 1.0 - std::pow(static_cast<double>(adam.beta1), step);
   const double second = std::sqrt(1.0 - std::pow(static_cast<double>(adam.beta2), step));
-  const double rate = std::max(adam.rate * second / first, least_rate);
+  const double rate = std::max(rate_share * static_cast<double>(adam.rate) * second / first, least_rate);
   return {.root_scale = static_cast<float>(0.25 / (rate * rate)),
           .divisor_least = static_cast<float>(adam.epsilon * second / rate),
           .one_minus_beta1 = 1.0F - adam.beta1,
@@ -96,8 +96,9 @@ const Shape& Trainer::shape() const {
   return parts_->network.shape();
 }
 
-StepLoss Trainer::step(const Batch& batch) {
-  const AdamStep adam = parts_->next_adam_step();
+StepLoss Trainer::step(const Batch& batch, double rate_share) {
+  const double wide_share = rate_share * static_cast<double>(parts_->config.adam.wide_rate);
+  const AdamSteps adam{parts_->next_adam_step(rate_share), parts_->next_adam_step(wide_share)};
   const StepLoss loss = parts_->forward_and_backward(batch, &adam);
   const FlushDenormals flush;
   parts_->gradients.change_small_tensors();

@@ -50,7 +50,7 @@ class Train : public ProgramTest {
 };
 
 TEST_F(Train, MakesAModelAndSaysWhatItIsWorth) {
-  const Outcome outcome = run(small + "-o model.onnx");
+  const Outcome outcome = run(small + "--preset paper --auxiliary-thermal 0.5 --choose-epoch -o model.onnx");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   for (const char* part :
        {"garden", "SIMULATED data", "fusion, Nf 2, Nr 3: 89,644 weights", "seed 1", "epoch 3 of 3",
@@ -65,7 +65,7 @@ TEST_F(Train, MakesAModelAndSaysWhatItIsWorth) {
 }
 
 TEST_F(Train, TellsProgramsTheSameAsJson) {
-  const Outcome outcome = run(small + "--json -o model.onnx");
+  const Outcome outcome = run(small + "--choose-epoch --json -o model.onnx");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto lines = outcome.lines();
   ASSERT_EQ(lines.size(), 5U);
@@ -98,18 +98,58 @@ TEST_F(Train, TakesThePaperToTheLetterOrAsItIsTold) {
   };
   const auto paper = start_of("--preset paper -o a.onnx");
   EXPECT_EQ(paper["auxiliary_thermal"], 0.0);
-  EXPECT_FALSE(paper["mirror"]);
+  EXPECT_EQ(paper["symmetries"], 1);
+  EXPECT_FALSE(paper["window_scaling"]);
   EXPECT_FALSE(paper["choose_epoch"]);
   const auto best = start_of("-o b.onnx");
-  EXPECT_GT(best["auxiliary_thermal"], 0.0);
-  EXPECT_TRUE(best["mirror"]);
-  EXPECT_TRUE(best["choose_epoch"]);
-  const auto custom = start_of("--no-mirror --no-choose-epoch --thermal-only --label-scale 100 -o c.onnx");
+  EXPECT_TRUE(best["likelihood"]);
+  EXPECT_EQ(best["symmetries"], 8);
+  EXPECT_TRUE(best["window_scaling"]);
+  EXPECT_FALSE(best["choose_epoch"]);
+  const auto custom = start_of("--symmetries 1 --no-choose-epoch --thermal-only --label-scale 100 -o c.onnx");
   EXPECT_EQ(custom["preset"], "custom");
-  EXPECT_FALSE(custom["mirror"]);
+  EXPECT_EQ(custom["symmetries"], 1);
   EXPECT_FALSE(custom["choose_epoch"]);
   EXPECT_FALSE(custom["fusion"]);
   EXPECT_EQ(custom["label_scale_dps"], 100.0);
+}
+
+TEST_F(Train, LearnsFromMadeUpRoomsAloneOrBesideRecordings) {
+  const Outcome alone = run("train --made-rooms --nf 2 --nr 3 --epochs 1 --thermal-only -o alone.onnx");
+  ASSERT_EQ(alone.code, 0) << alone.err;
+  EXPECT_THAT(alone.out,
+              HasSubstr("MADE-UP rooms: 32 of 32 windows a step, seen through 55 degrees, half frames"));
+  const Outcome beside = run(small + "--made-rooms --from none -o beside.onnx");
+  ASSERT_EQ(beside.code, 0) << beside.err;
+  EXPECT_THAT(beside.out, HasSubstr("MADE-UP rooms: 16 of 32 windows"));
+  EXPECT_EQ(run(small + "--made-rooms --preset paper -o paper.onnx").code, 2);
+  EXPECT_EQ(run("train -o nothing.onnx").code, 2);
+}
+
+TEST_F(Train, BeginsWithTheGeneralModelWhereItHasLearntThisCamera) {
+  const Outcome general = run("train recordings --epochs 1 -o general.onnx");
+  ASSERT_EQ(general.code, 0) << general.err;
+  EXPECT_THAT(general.out,
+              AllOf(HasSubstr("begins with the general model, weights "), HasSubstr("Nf 3, Nr 2")));
+  const Outcome none = run("train recordings --epochs 1 --from none -o none.onnx");
+  EXPECT_THAT(none.out, AllOf(Not(HasSubstr("begins with")), HasSubstr("Nf 3, Nr 1")));
+  const Outcome paper = run("train recordings --epochs 1 --preset paper -o paper.onnx");
+  EXPECT_THAT(paper.out, Not(HasSubstr("begins with")));
+  const Outcome evaluated = run("evaluate general recordings --turned 8");
+  ASSERT_EQ(evaluated.code, 0) << evaluated.err;
+  EXPECT_THAT(evaluated.out, AllOf(HasSubstr("windows of MADE-UP rooms"), HasSubstr("sigma that Kg states")));
+  EXPECT_EQ(run("evaluate paper.onnx recordings --turned 8").code, 2);
+}
+
+TEST_F(Train, GoesOnWithANetworkOfItsOwnKindAlone) {
+  ASSERT_EQ(run(small + "-o model.onnx").code, 0);
+  const Outcome on = run("train recordings --epochs 1 --from model.onnx -o on.onnx");
+  ASSERT_EQ(on.code, 0) << on.err;
+  EXPECT_THAT(on.out, AllOf(HasSubstr("begins with model.onnx, weights "), HasSubstr("Nf 2, Nr 3")));
+  const Outcome other = run("train recordings --nf 3 --from model.onnx -o other.onnx");
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("a training goes on only with a network of its own kind"));
+  EXPECT_EQ(run("train recordings --preset paper --from model.onnx -o paper.onnx").code, 2);
 }
 
 TEST_F(Train, NeverOverwritesAModel) {
@@ -221,7 +261,7 @@ TEST_F(Train, LearnsTheLabelThatIsAskedForAndSaysSoEverywhere) {
     EXPECT_EQ(outcome.lines()[0]["label"], name);
     EXPECT_EQ(nlohmann::json::parse(file_text(at(name + ".run/run.json")))["settings"]["label"], name);
     EXPECT_THAT(run("evaluate " + name + ".onnx recordings").out,
-                AllOf(HasSubstr("trained on rate_" + name + " of 1 acquisition"),
+                AllOf(HasSubstr("trained on rate_" + name + " of 2 acquisitions"),
                       HasSubstr("against the commanded speed"), HasSubstr("against the shaft"),
                       HasSubstr("chosen by, 2 of the tested")));
     ASSERT_EQ(run("export --c-header " + name + ".onnx -o " + name).code, 0);
@@ -287,7 +327,7 @@ TEST_F(Train, LeavesOutSessionsOfCalibrationsAndBadOnesThatItFindsInAFolder) {
 
 TEST_F(Train, RefusesToChooseTheEpochByTheOnlyAcquisitionAndLeavesNothing) {
   fs::remove(files(".h5").front());
-  const Outcome refused = run(small + "-o model.onnx");
+  const Outcome refused = run(small + "-o model.onnx --choose-epoch");
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.err, HasSubstr("--no-choose-epoch"));
   EXPECT_FALSE(fs::exists(at("model.run")));

@@ -1,19 +1,25 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # The models of docs/models on garden acquisition 6 of the simulated Table I, which they never saw.
-# Usage: bash tests/bench/models.sh [--json | --train]
+# Usage: bash tests/bench/models.sh [--json | --train | --general]
+#   --general  makes docs/models/general-55.onnx anew, from made-up rooms: some ten minutes of one core
 #   --train   trains both anew instead, with seed 1, on the acquisitions in build/paper-study/raw, which are recorded where
 #             they are not there; the same recordings give the same files on the same instruction set
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 source tests/bench/recordings.sh
-case ${1-} in "" | --json | --train) ;; *) echo "usage: models.sh [--json | --train]" >&2; exit 2 ;; esac
+case ${1-} in "" | --json | --train | --general) ;; *) echo "usage: models.sh [--json | --train | --general]" >&2; exit 2 ;; esac
 thermorig=${THERMORIG_BUILD:-build}/bin/thermorig
 [ -x "$thermorig" ] || { echo "build first: bash tests/run.sh (or set THERMORIG_BUILD)" >&2; exit 1; }
 thermorig=$(realpath "$thermorig")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
+if [ "${1-}" = --general ]; then
+  "$thermorig" train --made-rooms --lens 55 --nf 3 --nr 2 --epochs 150 --seed 1 -o "$folder/general-55.onnx"
+  mv "$folder/general-55.onnx" docs/models/
+  exit
+fi
 if [ "${1-}" = --train ]; then
   recorded=build/paper-study/raw
   record_table_one raw "$recorded"

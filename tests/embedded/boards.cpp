@@ -113,7 +113,8 @@ Speeds speeds_of(const std::deque<Prepared>& window, const model::Model& model,
     frames.insert(frames.end(), frame.pixels.begin(), frame.pixels.end());
     gyro_dps += frame.gyro_dps / static_cast<float>(window.size());
   }
-  const float scale = model.scaling.label_scale_dps;
+  if (model.scaling.by_window) network::scale_window(frames, model.weights.shape);
+  const float scale = model.scaling.speed_scale_dps(0.125);
   const network::Output output = estimator.estimate(frames, gyro_dps / scale);
   return {output.fusion * scale, output.thermal * scale, output.gain};
 }

@@ -65,6 +65,19 @@ TEST_P(ExportedC, InWholeNumbersSaysNearlyTheSame) {
   EXPECT_EQ(run.state_bytes, source.working_bytes);
 }
 
+TEST_P(ExportedC, ScalesEachWindowByItselfAsTheProgramDoes) {
+  model::Model model = model_;
+  model.scaling = network::scaling_by_window(scale_dps);
+  const embedded::CSource floats = c_source(model, WeightKind::float32, "net");
+  const BoardRun run = run_on({host()}, floats, shape().frames);
+  expect_windows(run, model, float_tolerance);
+  EXPECT_EQ(run.state_bytes, floats.working_bytes);
+  const embedded::CSource whole = c_source(model, WeightKind::int8, "net");
+  const BoardRun in_whole_numbers = run_on({host()}, whole, shape().frames);
+  expect_windows(in_whole_numbers, quantised(model), whole_numbers_tolerance);
+  EXPECT_EQ(in_whole_numbers.state_bytes, whole.working_bytes);
+}
+
 INSTANTIATE_TEST_SUITE_P(OfEveryShape, ExportedC, ::testing::Range<std::size_t>(0, 6));
 
 /// A compiler, what it is to take the C for, and the weights.

@@ -12,6 +12,6 @@ for path in sys.argv[1:]:
         assert value.type.tensor_type.elem_type == onnx.TensorProto.FLOAT, value.name
     metadata = {entry.key: entry.value for entry in model.metadata_props}
     dims = inferred.graph.input[0].type.tensor_type.shape.dim
-    reduction = int(metadata["reduction"])
+    reduction = 1 if metadata.get("scaling") == "window" else int(metadata["reduction"])
     assert [dim.dim_value for dim in dims][1:] == [int(metadata["frames"]), 24 // reduction, 32 // reduction]
     print(path)

@@ -179,7 +179,7 @@ const Damage metadata[] = {
     {"OtherNetwork", "its metadata says 'thermal-only', its graph is fusion",
      [](EditedFile& f) { f.set_key("network", "thermal-only"); }},
     {"CroppedTooMuch", "its metadata does not fit", [](EditedFile& f) { f.set_key("crop_left", "3"); }},
-    {"NewerFormat", "it is a model file of version '2', this program knows version 1",
+    {"NewerFormat", "it is a model file of version '2', this program knows versions 1 and 2",
      [](EditedFile& f) { f.set_key("format_version", "2"); }},
     {"SeedMissing", "its metadata lacks 'seed'", [](EditedFile& f) { f.remove_key("seed"); }},
     {"SeedNegative", "is no such number", [](EditedFile& f) { f.set_key("seed", "-1"); }},

@@ -276,7 +276,7 @@ class TheWindows(unittest.TestCase):
                                  start["environments"][environment]["windows"])
 
     def test_have_the_scaling_that_train_keeps_in_its_model(self):
-        run("train", recordings, "-o", "scaling.onnx", "--epochs", 1, "--no-choose-epoch", "--json")
+        run("train", recordings, "-o", "scaling.onnx", "--epochs", 1, "--preset", "paper", "--json")
         facts = {entry.key: entry.value for entry in onnx.load(Path(folder.name) / "scaling.onnx").metadata_props}
         scaling = thermorig.scaling_of(thermorig.open_sessions(recordings))
         self.assertEqual(np.float32(facts["temp_mean_c"]), np.float32(scaling.temp_mean_c))

@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "../support/synthetic_acquisitions.h"
 #include "estimates_of.h"
+#include "learning/study/gain_statistics.h"
 #include "thermorig/estimators/table.h"
 #include "thermorig/learning/training/prediction.h"
 
@@ -136,6 +138,27 @@ TEST(Evaluation, GivesErrorsInUnitsOfTheBounds) {
   EXPECT_DOUBLE_EQ(bounds->well_told_rmse[thermal_name], 2.0);
   EXPECT_NEAR(bounds->median[thermal_name], 2.0 / 0.67449, 1e-3);
   EXPECT_TRUE(std::isnan(bounds->median["gyro-rest"]) && std::isnan(bounds->well_told_rmse["gyro-rest"]));
+}
+
+TEST(GateSigma, IsHeldAgainstTheErrorsOfTheImagesAgainstTheShaft) {
+  std::vector<JudgedWindow> windows(4);
+  const std::array<float, 4> errors_dps{0.0F, 4.0F, -8.0F, 30.0F};
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    windows[i].shaft_dps = 50.0F;
+    windows[i].rate_dps[thermal_name] = 50.0F + errors_dps[i];
+    windows[i].gain = 0.8F;
+    windows[i].sigma_dps = 5.0F;
+  }
+  windows.push_back({});  // of a gate that states nothing
+  const auto sigma = gate_sigma(windows);
+  ASSERT_TRUE(sigma);
+  EXPECT_EQ(sigma->windows, 4U);
+  EXPECT_EQ(sigma->median_dps, 5.0);
+  EXPECT_EQ(sigma->within_one, 0.5);
+  EXPECT_EQ(sigma->within_two, 0.75);
+  // 0.8 of the images' error and 0.2 of a gyro's 10 deg/s.
+  EXPECT_NEAR(sigma->fusion_rmse_dps, std::sqrt(0.64 * (16.0 + 64.0 + 900.0) / 4.0 + 4.0), 1e-4);
+  EXPECT_FALSE(gate_sigma(std::vector<JudgedWindow>(3)));
 }
 
 TEST(JudgedWindows, SayWhatAModelPredicts) {

@@ -13,7 +13,7 @@ namespace thermorig::training {
 namespace {
 
 TEST(EpochPlan, GoesThroughEveryWindowOnceInAnotherOrderEachEpoch) {
-  const EpochPlan first = epoch_plan(1000, 5, 1, false), second = epoch_plan(1000, 5, 2, false);
+  const EpochPlan first = epoch_plan(1000, 5, 1, 1), second = epoch_plan(1000, 5, 2, 1);
   std::vector<std::uint32_t> all(1000);
   std::iota(all.begin(), all.end(), 0U);
   EXPECT_NE(first.order, second.order);
@@ -25,24 +25,29 @@ TEST(EpochPlan, GoesThroughEveryWindowOnceInAnotherOrderEachEpoch) {
 }
 
 TEST(EpochPlan, DependsOnSeedAndEpochAlone) {
-  EXPECT_EQ(epoch_plan(100, 5, 3, true).order, epoch_plan(100, 5, 3, true).order);
-  EXPECT_EQ(epoch_plan(100, 5, 3, true).mirrored, epoch_plan(100, 5, 3, true).mirrored);
-  EXPECT_EQ(epoch_plan(100, 5, 3, true).order, epoch_plan(100, 5, 3, false).order);
-  EXPECT_NE(epoch_plan(100, 5, 3, true).order, epoch_plan(100, 6, 3, true).order);
+  EXPECT_EQ(epoch_plan(100, 5, 3, 2).order, epoch_plan(100, 5, 3, 2).order);
+  EXPECT_EQ(epoch_plan(100, 5, 3, 2).turns, epoch_plan(100, 5, 3, 2).turns);
+  EXPECT_EQ(epoch_plan(100, 5, 3, 2).order, epoch_plan(100, 5, 3, 1).order);
+  EXPECT_NE(epoch_plan(100, 5, 3, 2).order, epoch_plan(100, 6, 3, 2).order);
 }
 
 TEST(EpochPlan, MirrorsHalfOfTheWindowsDrawnAnewEachEpoch) {
-  const EpochPlan first = epoch_plan(10000, 5, 1, true), second = epoch_plan(10000, 5, 2, true);
-  EXPECT_NEAR(static_cast<double>(std::count(first.mirrored.begin(), first.mirrored.end(), true)), 5000.0,
-              250);
-  EXPECT_NE(first.mirrored, second.mirrored);
-  const EpochPlan without = epoch_plan(10000, 5, 1, false);
-  EXPECT_EQ(std::count(without.mirrored.begin(), without.mirrored.end(), true), 0);
+  const EpochPlan first = epoch_plan(10000, 5, 1, 2), second = epoch_plan(10000, 5, 2, 2);
+  EXPECT_NEAR(static_cast<double>(std::count(first.turns.begin(), first.turns.end(), 1)), 5000.0, 250);
+  EXPECT_NE(first.turns, second.turns);
+  const EpochPlan without = epoch_plan(10000, 5, 1, 1);
+  EXPECT_EQ(std::count(without.turns.begin(), without.turns.end(), 0), 10000);
+}
+
+TEST(EpochPlan, ShowsEachOfEightSymmetriesAsOften) {
+  const EpochPlan plan = epoch_plan(80'000, 5, 1, 8);
+  for (std::uint8_t turn = 0; turn < 8; ++turn)
+    EXPECT_NEAR(static_cast<double>(std::count(plan.turns.begin(), plan.turns.end(), turn)), 10'000.0, 400);
 }
 
 TEST(EpochPlan, OfFewWindowsIsWhole) {
-  EXPECT_TRUE(epoch_plan(0, 1, 1, true).order.empty());
-  EXPECT_EQ(epoch_plan(1, 1, 1, true).order, std::vector<std::uint32_t>{0});
+  EXPECT_TRUE(epoch_plan(0, 1, 1, 2).order.empty());
+  EXPECT_EQ(epoch_plan(1, 1, 1, 2).order, std::vector<std::uint32_t>{0});
 }
 
 TEST(Draw, IsEvenlySpread) {

@@ -40,6 +40,7 @@ class StoredFramesOfATraining : public session::InTemporaryFolder {
   static TrainingConfig config_of(int frames, int reduction) {
     TrainingConfig config = preset("best");
     config.shape = {.frames = frames, .reduction = reduction};
+    config.choose_epoch = true;
     config.epochs = 2;
     config.batch = 7;  // the last batch is short
     return config;

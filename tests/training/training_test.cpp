@@ -60,7 +60,7 @@ TEST(Training, GivesTheSameBitsWithOneTwoAndThreeThreads) {
   const auto data = small_data();
   TrainingConfig config = small_config(2);
   config.loss.auxiliary_thermal = 0.5F;
-  config.mirror = true;
+  config.symmetries = 2;
   const TrainingResult solo = trained(config, data);
   for (const int threads : {1, 2, 3}) {
     ThreadPool workers(threads);
@@ -72,7 +72,7 @@ TEST(Training, GoesOnFromAnyEpochAsIfItHadNeverStopped) {
   const auto data = small_data();
   TrainingConfig config = small_config(4);
   config.choose_epoch = true;
-  config.mirror = true;
+  config.symmetries = 2;
   std::vector<Checkpoint> checkpoints;
   Observer observer;
   observer.epoch = [&](const EpochReport&, const Checkpoint& checkpoint) {
@@ -271,7 +271,7 @@ TEST(Training, MirroredShowsEveryWindowWithItsSpeedNegated) {
     return fits_of(trained(config, data).model, config, other).training.network_mse;
   };
   const double without = mse_to_the_left();
-  config.mirror = true;
+  config.symmetries = 2;
   EXPECT_LT(4.0 * mse_to_the_left(), without);
 }
 
@@ -300,7 +300,9 @@ TEST(Preset, OfThePaperIsToTheLetter) {
   EXPECT_EQ(config.adam.rate, 1e-3F);
   EXPECT_EQ(config.loss.berhu_fraction, 0.2F);
   EXPECT_EQ(config.loss.auxiliary_thermal, 0.0F);
-  EXPECT_FALSE(config.mirror);
+  EXPECT_EQ(config.symmetries, 1);
+  EXPECT_EQ(config.adam.wide_rate, 1.0F);
+  EXPECT_FALSE(config.loss.likelihood || config.cosine || config.window_scaling);
   EXPECT_FALSE(config.choose_epoch);
 }
 
@@ -332,6 +334,8 @@ TEST(TrainingConfig, ThatCannotBeIsRefused) {
   EXPECT_TRUE(refused([](TrainingConfig& c) { c.adam.rate = 0.0F; }));
   EXPECT_TRUE(refused([](TrainingConfig& c) { c.loss.auxiliary_thermal = -0.1F; }));
   EXPECT_TRUE(refused([](TrainingConfig& c) { c.label_scale_dps = 0.0F; }));
+  EXPECT_TRUE(refused([](TrainingConfig& c) { c.symmetries = 4; }));
+  EXPECT_TRUE(refused([](TrainingConfig& c) { c.made.windows = 16; }));  // not scaled by the window
 }
 
 }  // namespace

@@ -111,8 +111,8 @@ def mean_rates(rates: NDArray[np.float32], last: NDArray[np.uint32], frames: int
 
 
 def scaling_of(sessions: Sequence[Session], label_scale_dps: float = 200.0) -> Scaling:
-    """Mean and deviation of all pixels of the frames in runs: what `train` writes into a model of these sessions
-    (with --no-choose-epoch, else one session is held out)."""
+    """Mean and deviation of all pixels of the frames in runs: what `train --preset paper` writes into a model of these
+    sessions. A network of preset `best` scales each window by itself."""
     if not sessions:
         raise ValueError("there is no session")
     pixels = [session.frames_c[session.run != 0].reshape(-1) for session in sessions]

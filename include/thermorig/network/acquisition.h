@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "thermorig/core/label.h"
 #include "thermorig/core/time.h"
+#include "thermorig/network/camera_view.h"
 #include "thermorig/network/stored_frames.h"
 
 namespace thermorig::network {
@@ -26,7 +28,9 @@ struct Acquisition {
   std::string environment;  // e.g. "garden"
   int number = 0;           // acquisition number within the environment
   bool simulated = false;
-  std::string licence;  // of the data, as the session says it; "not stated" if it does not
+  double frame_period_s = 0.125;   // measured; above 0
+  std::optional<CameraView> view;  // none: not known
+  std::string licence;             // of the data, as the session says it; "not stated" if it does not
   std::string hash;  // SHA-256, hexadecimal, of frames, commanded speeds, gyro means, times and runs: not of
                      // the file, whose name and creation time do not matter to a model
   std::vector<float> temp_c;                   // (N, 24, 32); empty where `stored` has them

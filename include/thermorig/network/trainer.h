@@ -17,7 +17,16 @@ namespace thermorig::network {
 struct LossConfig {
   float berhu_fraction = 0.2F;
   float auxiliary_thermal = 0.0F;  // weight of the same loss on y_th alone, with a c of its own; 0: the paper
+  // Instead, of a network with a gate: how likely the error of y_th is, given the sigma that Kg states (see
+  // gate_sigma()). Neither the gyro nor the two above take part.
+  bool likelihood = false;
 };
+
+/// What a gate states of y_th that was trained with `likelihood`: Kg = g^2 / (g^2 + sigma^2) for a gyro that
+/// is off by g. Both in the same unit; Kg 0..1, at its ends as far as a float tells them from what is beside.
+double gate_sigma(double gain, double gyro_sigma);
+/// g, of labels divided by 200 deg/s: the 10 deg/s that the paper's gyros are off.
+inline constexpr double gate_gyro_sigma = 0.05;
 
 /// Kingma & Ba 2015; the paper gives the rate 0.001, the rest are that publication's.
 struct AdamConfig {
@@ -25,6 +34,7 @@ struct AdamConfig {
   float beta1 = 0.9F;
   float beta2 = 0.999F;
   float epsilon = 1e-8F;
+  float wide_rate = 1.0F;  // of the rate, for the two layers that take all features
 };
 
 struct TrainerConfig {
@@ -58,8 +68,8 @@ class Trainer {
 
   const Shape& shape() const;
 
-  /// One step of Adam on 1..32 windows.
-  StepLoss step(const Batch& batch);
+  /// One step of Adam on 1..32 windows, at this share of its rate.
+  StepLoss step(const Batch& batch, double rate_share = 1.0);
 
   /// Gradients of the loss in the order of the weights; changes nothing.
   std::vector<float> gradients(const Batch& batch);

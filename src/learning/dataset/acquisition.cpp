@@ -138,6 +138,20 @@ std::string data_hash(const network::Acquisition& acquisition) {
 
 using network::Acquisition;
 
+/// As it was measured; what a file says that cannot be is not believed.
+double frame_period_of(const session::Session& session) {
+  const double measured_s = session.frame_period_s;
+  return measured_s >= 1e-3 && measured_s <= 100.0 ? measured_s
+                                                   : 1.0 / session.raw.header.profile.camera.output_rate_hz;
+}
+
+network::CameraView view_of(const session::Session& session) {
+  const CameraProfile& camera = session.raw.header.profile.camera;
+  return {.width_deg = camera.lens_width_deg(),
+          .half_frames = session.camera_mode != "full-fresh",
+          .mirrored = camera.mirrored};
+}
+
 std::map<std::uint16_t, float> leg_rates(const std::vector<LegRecord>& legs) {
   std::map<std::uint16_t, float> rates;
   for (const LegRecord& leg : legs) rates[leg.leg] = static_cast<float>(leg.rate_dps);
@@ -198,6 +212,8 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
                           .environment = place.environment,
                           .number = place.acquisition,
                           .simulated = header.simulated,
+                          .frame_period_s = frame_period_of(session),
+                          .view = view_of(session),
                           .licence = header.licence.empty() ? "not stated" : header.licence};
   append_samples(acquisition, session);
   network::clear_unsound_frames(acquisition);

@@ -45,6 +45,8 @@ Section model_section(const Model& model) {
       {"epochs trained, kept", fmt::format("{}, {}", from.epochs, from.epoch_kept)},
       {"trained on", fmt::format("{}{}", from.simulated ? "SIMULATED data: " : "", names_of(from.training))},
       {"held out to choose the epoch", names_of(from.held_out)},
+      {"made-up windows shown", from.made_windows > 0 ? count_text(from.made_windows) : ""},
+      {"begun from", clean(from.begun_from)},
       {"licence of the training data", clean(from.data_licence)}};
   std::erase_if(table.rows, [](const auto& row) { return row[1].empty(); });
   return {"The model", {table}};
@@ -97,6 +99,30 @@ Section gain_section(const study::GainStatistics& gain) {
                              share_text(gain.above_098), gate_text(gain))}}};
 }
 
+std::vector<std::string> sigma_row(const std::string& name, const study::GateSigma& sigma) {
+  return {name,
+          rate_text(sigma.median_dps),
+          share_text(sigma.within_one),
+          share_text(sigma.within_two),
+          fmt::format("{:.2f} to {:.2f}", sigma.gain_p05, sigma.gain_p95),
+          rate_text(sigma.fusion_rmse_dps)};
+}
+
+Section sigma_section(const Evaluation& evaluation) {
+  Table table;
+  table.caption = fmt::format(
+      "What Kg states of the rate from the images, beside its errors against the shaft; fusion in "
+      "expectation "
+      "over a gyro that is off by {:g} deg/s",
+      study::expected_gyro_dps);
+  table.header = {"environment", "median sigma, deg/s", "within one",
+                  "within two",  "Kg, 5 to 95 %",       "fusion RMSE"};
+  for (const study::EnvironmentErrors& environment : evaluation.environments)
+    if (environment.sigma) table.rows.push_back(sigma_row(clean(environment.name), *environment.sigma));
+  table.rows.push_back(sigma_row("all", *evaluation.sigma));
+  return {"The sigma that the gate states", {table}};
+}
+
 std::vector<EstimatorTrack> tracks_of(const study::AngleTrack& track,
                                       const std::vector<std::string>& estimators) {
   std::vector<EstimatorTrack> tracks;
@@ -138,6 +164,7 @@ Document document_of(const Model& model, const Evaluation& evaluation) {
   document.sections = {errors_section(model, evaluation), speeds_section(model, evaluation)};
   if (evaluation.bounds) document.sections.push_back(bounds_section(model, *evaluation.bounds));
   if (evaluation.gain.windows() > 0) document.sections.push_back(gain_section(evaluation.gain));
+  if (evaluation.sigma) document.sections.push_back(sigma_section(evaluation));
   if (!evaluation.angles.empty()) document.sections.push_back(angles_section(model, evaluation));
   document.sections.push_back(model_section(model));
   return document;
@@ -157,10 +184,13 @@ std::string evaluation_json(const Model& model, const Evaluation& evaluation) {
   using nlohmann::json;
   const network::Shape& shape = model.weights.shape;
   json environments = json::array(), angles = json::array();
-  for (const study::EnvironmentErrors& environment : evaluation.environments)
+  for (const study::EnvironmentErrors& environment : evaluation.environments) {
     environments.push_back({{"name", environment.name},
                             {"acquisitions", environment.acquisitions},
-                            {"errors", errors_json(environment.errors)}});
+                            {"errors", errors_json(environment.errors)},
+                            {"shaft_errors", errors_json(environment.shaft_errors)}});
+    if (environment.sigma) environments.back()["sigma"] = sigma_json(*environment.sigma);
+  }
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
     angles.push_back(drift_json(evaluation.angles[i]));
     if (i < evaluation.names.size()) angles.back()["name"] = evaluation.names[i];
@@ -185,6 +215,7 @@ std::string evaluation_json(const Model& model, const Evaluation& evaluation) {
               {"speeds", speeds_json(evaluation.speeds)},
               {"gain", gain_json(evaluation.gain)},
               {"angles", angles}};
+  if (evaluation.sigma) report["sigma"] = sigma_json(*evaluation.sigma);
   if (evaluation.bounds) report["bounds"] = bounds_json(*evaluation.bounds);
   return json_text(report);
 }

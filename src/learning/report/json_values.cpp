@@ -34,6 +34,16 @@ json bounds_json(const study::BoundErrors& bounds) {
           {"multiples", by_name}};
 }
 
+json sigma_json(const study::GateSigma& sigma) {
+  return {{"windows", sigma.windows},
+          {"median_dps", sigma.median_dps},
+          {"within_one", sigma.within_one},
+          {"within_two", sigma.within_two},
+          {"gain_p05", sigma.gain_p05},
+          {"gain_p95", sigma.gain_p95},
+          {"fusion_rmse_beside_10_dps", sigma.fusion_rmse_dps}};
+}
+
 json gain_json(const study::GainStatistics& gain) {
   if (gain.windows() == 0) return nullptr;
   return {

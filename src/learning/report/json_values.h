@@ -10,6 +10,7 @@ namespace thermorig::report {
 // Parts of both JSON reports. Keys carry units; NaN becomes null.
 nlohmann::json errors_json(const study::PerEstimator<study::Errors>& errors);
 nlohmann::json bounds_json(const study::BoundErrors& bounds);
+nlohmann::json sigma_json(const study::GateSigma& sigma);
 nlohmann::json gain_json(const study::GainStatistics& gain);
 nlohmann::json speeds_json(const std::vector<study::SpeedErrors>& speeds);
 /// Drift and worst error, without the lines.

@@ -36,7 +36,9 @@ std::vector<EnvironmentErrors> errors_by_environment(std::span<const JudgedWindo
     parts[acquisitions[one.window.acquisition].environment].push_back(one);
   std::vector<EnvironmentErrors> environments;
   for (const auto& [name, count] : counts)
-    environments.push_back({name, count, errors_of(parts[name], label_scale_dps)});
+    environments.push_back({name, count, errors_of(parts[name], label_scale_dps),
+                            errors_of(parts[name], label_scale_dps, &JudgedWindow::shaft_dps),
+                            gate_sigma(parts[name])});
   return environments;
 }
 
@@ -57,6 +59,7 @@ Evaluation evaluate(std::span<const JudgedWindow> judged, std::span<const networ
   evaluation.environments = errors_by_environment(judged, acquisitions, config.label_scale_dps);
   evaluation.speeds = speed_errors(judged, acquisitions, config.label_scale_dps);
   evaluation.gain = gain_statistics(judged);
+  evaluation.sigma = gate_sigma(judged);
   evaluation.bounds = bound_errors(judged);
   for (std::size_t i = 0; i < acquisitions.size(); ++i) {
     evaluation.angles.push_back(angle_track(part_of(judged, i), acquisitions[i], config.angle_points));

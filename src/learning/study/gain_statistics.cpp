@@ -106,4 +106,31 @@ GainStatistics merged(std::span<const GainStatistics> parts) {
   return all;
 }
 
+std::optional<GateSigma> gate_sigma(std::span<const JudgedWindow> judged) {
+  std::vector<double> sigmas, gains;
+  double within_one = 0.0, within_two = 0.0, squares = 0.0;
+  for (const JudgedWindow& one : judged) {
+    const double error_dps = double{one.rate_dps[thermal_name]} - double{one.shaft_dps}, gain = one.gain;
+    if (!std::isfinite(one.sigma_dps) || !std::isfinite(error_dps)) continue;
+    const double in_sigmas = std::abs(error_dps) / double{one.sigma_dps};
+    within_one += in_sigmas <= 1.0 ? 1.0 : 0.0;
+    within_two += in_sigmas <= 2.0 ? 1.0 : 0.0;
+    const double of_images = gain * error_dps, of_gyro = (1.0 - gain) * expected_gyro_dps;
+    squares += of_images * of_images + of_gyro * of_gyro;
+    sigmas.push_back(double{one.sigma_dps});
+    gains.push_back(gain);
+  }
+  if (sigmas.empty()) return std::nullopt;
+  std::sort(sigmas.begin(), sigmas.end());
+  std::sort(gains.begin(), gains.end());
+  const auto count = static_cast<double>(sigmas.size());
+  return GateSigma{.windows = sigmas.size(),
+                   .median_dps = quantile(sigmas, 0.5),
+                   .within_one = within_one / count,
+                   .within_two = within_two / count,
+                   .gain_p05 = quantile(gains, 0.05),
+                   .gain_p95 = quantile(gains, 0.95),
+                   .fusion_rmse_dps = std::sqrt(squares / count)};
+}
+
 }  // namespace thermorig::study

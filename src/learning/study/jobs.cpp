@@ -108,13 +108,18 @@ Job job_of(const Setting& setting, const StudyConfig& config, int history) {
 }  // namespace
 
 std::string settings_of(const training::TrainingConfig& config) {
-  return fmt::format(
+  std::string text = fmt::format(
       "batch {}, berhu {}, auxiliary {}, rate {}, beta1 {}, beta2 {}, epsilon {}, mirror {}, choose epoch "
       "{}, "
       "label scale {}",
       config.batch, config.loss.berhu_fraction, config.loss.auxiliary_thermal, config.adam.rate,
-      config.adam.beta1, config.adam.beta2, config.adam.epsilon, config.mirror, config.choose_epoch,
+      config.adam.beta1, config.adam.beta2, config.adam.epsilon, config.symmetries == 2, config.choose_epoch,
       config.label_scale_dps);
+  if (config.symmetries == 8) text += ", 8 symmetries";
+  if (config.window_scaling) text += ", scaled by the window";
+  if (config.loss.likelihood) text += ", likelihood";
+  if (config.cosine) text += fmt::format(", cosine, wide layers {}", config.adam.wide_rate);
+  return text;
 }
 
 std::string description_of(const Job& job) {

@@ -25,15 +25,16 @@ std::vector<JudgedWindow> judged_windows(std::span<const network::Acquisition> a
 
 std::vector<JudgedWindow> judged_windows(const model::Model& model,
                                          std::span<const network::Acquisition> acquisitions,
-                                         std::span<const network::Window> windows) {
+                                         std::span<const network::Window> windows, int turned) {
   const network::Shape& shape = model.weights.shape;
   std::vector<JudgedWindow> judged = judged_windows(acquisitions, windows, shape.frames);
-  const auto estimates = training::predict(model, acquisitions, windows);
+  const auto estimates = training::predict(model, acquisitions, windows, turned);
   for (std::size_t i = 0; i < judged.size(); ++i) {
     judged[i].rate_dps[thermal_name] = estimates[i].thermal_dps;
     if (!shape.fusion) continue;
     judged[i].rate_dps[fusion_name] = estimates[i].fusion_dps;
     judged[i].gain = estimates[i].gain;
+    judged[i].sigma_dps = estimates[i].thermal_sigma_dps;
   }
   return judged;
 }

@@ -15,23 +15,35 @@ constexpr std::size_t windows_ahead =
 
 BatchStream::BatchStream(const WindowSet& set, const EpochPlan& plan, std::size_t windows_a_batch,
                          network::Workers& workers)
-    : set_(set), plan_(plan), windows_a_batch_(windows_a_batch), workers_(workers), buffer_(set) {
+    : set_(set),
+      plan_(plan),
+      windows_a_batch_(windows_a_batch),
+      workers_(workers),
+      buffer_(set),
+      batches_(windows_a_batch == 0 ? 0 : (plan.order.size() + windows_a_batch - 1) / windows_a_batch) {
   if (!set_.is_partly_stored()) return;
   for (std::size_t place = 0; place < windows_ahead; ++place) announce(place);
 }
 
+void BatchStream::add_made(MadeWindows& made, std::size_t windows_a_batch, std::size_t batches) {
+  made_ = &made;
+  made_a_batch_ = windows_a_batch;
+  if (plan_.order.empty()) batches_ = batches;
+}
+
 std::size_t BatchStream::batches() const {
-  return (plan_.order.size() + windows_a_batch_ - 1) / windows_a_batch_;
+  return batches_;
 }
 
 const BatchBuffer& BatchStream::next() {
   begin_ = end_;
   end_ = std::min(plan_.order.size(), begin_ + windows_a_batch_);
-  assert(begin_ < end_);
   buffer_.clear();
   for (std::size_t place = begin_; place < end_; ++place)
-    buffer_.add(plan_.order[place], plan_.mirrored[place]);
-  if (set_.is_partly_stored()) read();
+    buffer_.add(plan_.order[place], network::Turn(plan_.turns[place]));
+  if (made_ != nullptr) made_->add_to(buffer_, made_a_batch_);
+  assert(buffer_.size() > 0);
+  if (buffer_.has_unprepared()) prepare();
   return buffer_;
 }
 
@@ -39,17 +51,17 @@ void BatchStream::announce(std::size_t place) const {
   if (place < plan_.order.size()) set_.announce(plan_.order[place]);
 }
 
-void BatchStream::read() {
+void BatchStream::prepare() {
   workers_.run(share_);
   if (failure_) std::rethrow_exception(failure_);
 }
 
-void BatchStream::read_share(int worker) {
+void BatchStream::prepare_share(int worker) {
   const auto workers = static_cast<std::size_t>(workers_.size());
   try {
-    for (std::size_t place = begin_ + static_cast<std::size_t>(worker); place < end_; place += workers) {
-      announce(place + windows_ahead);
-      buffer_.read(place - begin_);
+    for (std::size_t place = static_cast<std::size_t>(worker); place < buffer_.size(); place += workers) {
+      if (set_.is_partly_stored()) announce(begin_ + place + windows_ahead);
+      buffer_.prepare(place);
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);

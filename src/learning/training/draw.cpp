@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "draw.h"
 
+#include <cmath>
+#include <numbers>
+
 namespace thermorig::training {
 
 namespace {
@@ -25,6 +28,15 @@ Draw::Draw(std::uint64_t seed, std::string_view purpose, std::uint64_t epoch)
 std::uint64_t Draw::bits() {
   state_ += golden_gamma;
   return mixed(state_);
+}
+
+double Draw::normal() {
+  const double size = std::sqrt(-2.0 * std::log(1.0 - share()));
+  return size * std::cos(2.0 * std::numbers::pi * share());
+}
+
+double Draw::magnitude(double low, double high) {
+  return low * std::exp(share() * std::log(high / low));
 }
 
 std::uint64_t Draw::below(std::uint64_t count) {

@@ -13,7 +13,18 @@ class Draw {
   Draw(std::uint64_t seed, std::string_view purpose, std::uint64_t epoch = 0);
 
   std::uint64_t bits();
-  bool coin() { return (bits() >> 63U) != 0; }
+  /// Bits of one of so many symmetries (2 or 8) of network::Turn.
+  std::uint8_t turn(int symmetries) {
+    return static_cast<std::uint8_t>(bits() >> (symmetries == 2 ? 63U : 61U));
+  }
+  /// 0 up to 1.
+  double share() { return static_cast<double>(bits() >> 11U) * 0x1.0p-53; }
+  double uniform(double low, double high) { return low + (high - low) * share(); }
+  bool happens(double probability) { return share() < probability; }
+  /// Mean 0, deviation 1 (Box and Muller 1958).
+  double normal();
+  /// All orders of magnitude between the two, both above 0, equally likely.
+  double magnitude(double low, double high);
   /// 0 .. count - 1, all equally likely. `count` at least 1.
   std::uint64_t below(std::uint64_t count);
 

@@ -18,18 +18,19 @@ void shuffle(std::vector<std::uint32_t>& order, Draw draw) {
 }  // namespace
 
 EpochPlan in_order(std::size_t windows) {
-  EpochPlan plan{.order = std::vector<std::uint32_t>(windows), .mirrored = std::vector<bool>(windows, false)};
+  EpochPlan plan{.order = std::vector<std::uint32_t>(windows),
+                 .turns = std::vector<std::uint8_t>(windows, 0)};
   std::iota(plan.order.begin(), plan.order.end(), 0U);
   return plan;
 }
 
-EpochPlan epoch_plan(std::size_t windows, std::uint64_t seed, int epoch, bool mirror) {
+EpochPlan epoch_plan(std::size_t windows, std::uint64_t seed, int epoch, int symmetries) {
   const auto number = static_cast<std::uint64_t>(epoch);
   EpochPlan plan = in_order(windows);
   shuffle(plan.order, Draw(seed, "order", number));
-  if (!mirror) return plan;
+  if (symmetries == 1) return plan;
   Draw draw(seed, "mirror", number);
-  for (std::size_t place = 0; place < windows; ++place) plan.mirrored[place] = draw.coin();
+  for (std::uint8_t& turn : plan.turns) turn = draw.turn(symmetries);
   return plan;
 }
 

@@ -6,16 +6,16 @@
 
 namespace thermorig::training {
 
-/// In which order an epoch goes through the windows, and which it sees mirrored.
+/// In which order an epoch goes through the windows, and how it turns each.
 struct EpochPlan {
   std::vector<std::uint32_t> order;
-  std::vector<bool> mirrored;  // by place in the order
+  std::vector<std::uint8_t> turns;  // bits of network::Turn, by place in the order
 };
 
-/// Depends on seed and epoch alone.
-EpochPlan epoch_plan(std::size_t windows, std::uint64_t seed, int epoch, bool mirror);
+/// Depends on seed and epoch alone. `symmetries`: 1, 2 or 8, of which each window is shown in one.
+EpochPlan epoch_plan(std::size_t windows, std::uint64_t seed, int epoch, int symmetries);
 
-/// All windows as they come, none mirrored.
+/// All windows as they come, none turned.
 EpochPlan in_order(std::size_t windows);
 
 }  // namespace thermorig::training

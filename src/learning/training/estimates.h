@@ -8,8 +8,9 @@
 
 namespace thermorig::training {
 
-/// The network on every window of a set, in order; normalised.
-std::vector<network::Output> estimates_of(const network::Weights& weights, const WindowSet& set);
+/// The network on every window of a set, in order, all turned alike; normalised, with the turn's sign.
+std::vector<network::Output> estimates_of(const network::Weights& weights, const WindowSet& set,
+                                          network::Turn turn = network::Turn());
 
 /// Means of the squared errors over a set, normalised; NaN without a window.
 struct SquaredErrors {

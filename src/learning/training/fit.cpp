@@ -26,6 +26,7 @@ void add(Fit& fit, const WindowEstimate& window, double scale_dps) {
 Fit fit_of(const model::Model& model, std::span<const network::Acquisition> acquisitions,
            const std::vector<network::Window>& windows) {
   Fit fit{.windows = windows.size(), .gain_mean = 0.0};
+  if (windows.empty()) return {};
   for (const WindowEstimate& window : predict(model, acquisitions, windows))
     add(fit, window, model.scaling.label_scale_dps);
   for (double* sum : {&fit.network_mse, &fit.thermal_mse, &fit.gyro_mse, &fit.gain_mean, &fit.gain_below_002,

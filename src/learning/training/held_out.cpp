@@ -35,8 +35,9 @@ std::uint32_t drawn_acquisition(const TrainingConfig& config, const std::vector<
 
 Division divide(const TrainingConfig& config, std::span<const network::Acquisition> acquisitions) {
   const std::vector<Window> all = network::find_windows(acquisitions, config.shape.frames, config.history);
-  if (all.empty()) refuse_no_window(config);
   Division division;
+  if (all.empty() && config.made.windows == config.batch && acquisitions.empty()) return division;
+  if (all.empty()) refuse_no_window(config);
   if (config.choose_epoch) division.held_out_acquisition = drawn_acquisition(config, all);
   for (const Window& window : all)
     (window.acquisition == division.held_out_acquisition ? division.held_out : division.training)

@@ -10,13 +10,12 @@ namespace thermorig::training {
 
 namespace {
 
-constexpr float best_auxiliary_thermal = 0.5F;
-
 /// What a preset fixes.
 auto settings_of(const TrainingConfig& config) {
   const network::AdamConfig& adam = config.adam;
   return std::tuple(config.epochs, config.batch, config.loss.berhu_fraction, config.loss.auxiliary_thermal,
-                    adam.rate, adam.beta1, adam.beta2, adam.epsilon, config.mirror, config.choose_epoch,
+                    config.loss.likelihood, adam.rate, adam.beta1, adam.beta2, adam.epsilon, adam.wide_rate,
+                    config.cosine, config.symmetries, config.window_scaling, config.choose_epoch,
                     config.label_scale_dps);
 }
 
@@ -32,9 +31,12 @@ TrainingConfig preset(const std::string& name) {
   if (name == "paper") return config;
   if (name != "best")
     refuse(fmt::format("there is no preset \"{}\"", name), "--preset best, or --preset paper");
-  config.loss.auxiliary_thermal = best_auxiliary_thermal;
-  config.mirror = true;
-  config.choose_epoch = true;
+  config.loss.likelihood = true;
+  config.adam.rate = 0.002F;
+  config.adam.wide_rate = 0.05F;
+  config.cosine = true;
+  config.symmetries = 8;
+  config.window_scaling = true;
   return config;
 }
 
@@ -54,6 +56,18 @@ void check(const TrainingConfig& config) {
     refuse("the learning rate lies above 0 and is 1 at most", "--rate 0.001");
   if (!(config.loss.auxiliary_thermal >= 0.0F && config.loss.auxiliary_thermal <= 1000.0F))
     refuse("the weight of the auxiliary thermal loss is 0 to 1000", "--auxiliary-thermal 0.5");
+  if (config.symmetries != 1 && config.symmetries != 2 && config.symmetries != 8)
+    refuse("a window has 1, 2 or 8 symmetries", "--symmetries 8");
+  if (config.made.windows < 0 || config.made.windows > config.batch)
+    refuse("made-up windows are a part of a batch, or all of it", "--made-rooms, without a number");
+  if (config.made.rounds_kept < 1 || config.made.rounds_kept > 1000 || config.made.steps_an_epoch < 1)
+    refuse("made-up rooms are kept for 1 to 1,000 rounds, and an epoch has a step",
+           "the settings as they are");
+  if (config.from && config.from->weights.shape != config.shape)
+    refuse("a training begins with a network of its own shape", "--from none");
+  if (config.made.windows > 0 && !config.window_scaling)
+    refuse("made-up rooms have no mean temperature that a data set could be scaled by",
+           "--preset best, which scales each window by itself");
   if (!(config.label_scale_dps >= 1e-3F && config.label_scale_dps <= 1e6F))
     refuse("the label scale is 0.001 to 1,000,000 deg/s", "--label-scale 200");
 }

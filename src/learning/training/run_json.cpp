@@ -14,18 +14,34 @@ nlohmann::json to_json(const network::Shape& shape) {
           {"padding1", shape.padding1}, {"padding2", shape.padding2},   {"crop_left", shape.crop_left}};
 }
 
+nlohmann::json to_json(const MadeRooms& made) {
+  if (made.windows == 0) return nullptr;
+  return {{"windows", made.windows},
+          {"width_deg", made.view.width_deg},
+          {"half_frames", made.view.half_frames},
+          {"mirrored", made.view.mirrored},
+          {"steps_an_epoch", made.steps_an_epoch},
+          {"rounds_kept", made.rounds_kept}};
+}
+
 nlohmann::json to_json(const TrainingConfig& config) {
   return {{"preset", config.preset},
           {"shape", to_json(config.shape)},
           {"epochs", config.epochs},
           {"batch", config.batch},
           {"berhu_fraction", config.loss.berhu_fraction},
+          {"likelihood", config.loss.likelihood},
           {"auxiliary_thermal", config.loss.auxiliary_thermal},
           {"rate", config.adam.rate},
           {"beta1", config.adam.beta1},
           {"beta2", config.adam.beta2},
           {"epsilon", config.adam.epsilon},
-          {"mirror", config.mirror},
+          {"wide_rate", config.adam.wide_rate},
+          {"cosine", config.cosine},
+          {"symmetries", config.symmetries},
+          {"window_scaling", config.window_scaling},
+          {"made_rooms", to_json(config.made)},
+          {"from", config.from ? config.from->name : "none"},
           {"choose_epoch", config.choose_epoch},
           {"history", config.history},
           {"seed", config.seed},

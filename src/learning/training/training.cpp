@@ -7,6 +7,8 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <set>
 
 #include "batch_stream.h"
@@ -23,6 +25,19 @@ using network::Acquisition;
 
 constexpr std::size_t steps_between_reports = 50;
 
+constexpr double most_rising_steps = 2000.0;
+constexpr double rising_part = 0.1;       // of a short training
+constexpr double share_of_begun = 0.4;    // of the rate, for weights that have learnt already
+constexpr float first_gate_bias = -4.0F;  // sigma of 74 deg/s: the gate knows nothing yet
+
+/// Of the rate, in the step of this number (from 0) of so many: a linear rise times half a cosine.
+double rate_share(const TrainingConfig& config, double step, double steps) {
+  if (!config.cosine) return 1.0;
+  const double rise = std::max(1.0, std::min(most_rising_steps, rising_part * steps));
+  return (config.from ? share_of_begun : 1.0) * std::min(1.0, (step + 1.0) / rise) * 0.5 *
+         (1.0 + std::cos(std::numbers::pi * step / steps));
+}
+
 network::TrainerConfig trainer_config(const TrainingConfig& config) {
   network::TrainerConfig trainer{.loss = config.loss, .adam = config.adam};
   if (!config.shape.fusion) trainer.loss.auxiliary_thermal = 0.0F;  // y_th is all there is: nothing to help
@@ -31,9 +46,27 @@ network::TrainerConfig trainer_config(const TrainingConfig& config) {
 
 /// Licences of the data, each once.
 std::string licence_of(std::span<const Acquisition> acquisitions) {
+  if (acquisitions.empty()) return "none: made-up rooms";
   std::set<std::string> licences;
   for (const Acquisition& acquisition : acquisitions) licences.insert(acquisition.licence);
   return fmt::format("{}", fmt::join(licences, "; "));
+}
+
+/// Of all of them; none: they differ, or one does not know it.
+std::optional<network::CameraView> view_of(std::span<const Acquisition> acquisitions) {
+  std::optional<network::CameraView> view = acquisitions.front().view;
+  for (const Acquisition& acquisition : acquisitions)
+    if (!view || !acquisition.view || !view->fits(*acquisition.view)) return std::nullopt;
+  return view;
+}
+
+network::Scaling scaling_for(const TrainingConfig& config, std::span<const Acquisition> acquisitions,
+                             const Division& division) {
+  if (!config.window_scaling)
+    return network::scaling_of(acquisitions, config.label_scale_dps, division.held_out_acquisition);
+  network::Scaling scaling = network::scaling_by_window(config.label_scale_dps);
+  scaling.gate_states_sigma = config.loss.likelihood && config.shape.fusion;
+  return scaling;
 }
 
 /// Means over the windows of an epoch, step by step.
@@ -58,12 +91,14 @@ class Training {
         workers_(workers),
         observer_(observer),
         division_(divide(config, acquisitions)),
-        scaling_(network::scaling_of(acquisitions, config.label_scale_dps, division_.held_out_acquisition)),
+        scaling_(scaling_for(config, acquisitions, division_)),
         training_(acquisitions, division_.training, config.shape, scaling_),
         held_out_(acquisitions, division_.held_out, config.shape, scaling_),
         done_(from ? *from : beginning(config)),
         trainer_(done_.weights, trainer_config(config), workers) {
     if (from) trainer_.restore(from->weights, from->optimiser);
+    if (config.made.windows > 0)
+      made_.emplace(config.made, config.shape, config.seed, done_.optimiser.steps, workers);
   }
 
   TrainingResult run() {
@@ -74,19 +109,30 @@ class Training {
  private:
   static Checkpoint beginning(const TrainingConfig& config) {
     Checkpoint start;
-    start.weights = network::initial_weights(config.shape, config.seed);
+    if (config.from) {
+      start.weights = config.from->weights;
+    } else {
+      start.weights = network::initial_weights(config.shape, config.seed);
+      if (config.loss.likelihood && config.shape.fusion)
+        start.weights.tensor("gain2.bias")[0] = first_gate_bias;
+    }
     start.kept = start.weights;
     return start;
   }
 
   void run_epoch(int epoch) {
-    const EpochPlan plan = epoch_plan(training_.size(), config_.seed, epoch, config_.mirror);
-    BatchStream batches(training_, plan, static_cast<std::size_t>(config_.batch), workers_);
+    const EpochPlan plan = epoch_plan(training_.size(), config_.seed, epoch, config_.symmetries);
+    const auto made = static_cast<std::size_t>(config_.made.windows);
+    BatchStream batches(training_, plan, static_cast<std::size_t>(config_.batch) - made, workers_);
+    if (made_) batches.add_made(*made_, made, static_cast<std::size_t>(config_.made.steps_an_epoch));
     const std::size_t steps = batches.batches();
+    const auto all_steps = static_cast<double>(steps) * config_.epochs;
+    const auto steps_before = static_cast<double>(steps) * (epoch - 1);
     EpochSums sums;
     for (std::size_t step = 0; step < steps; ++step) {
       const BatchBuffer& batch = batches.next();
-      const network::StepLoss loss = trainer_.step(batch.batch());
+      const network::StepLoss loss = trainer_.step(
+          batch.batch(), rate_share(config_, steps_before + static_cast<double>(step), all_steps));
       require_finite(loss.loss, step + 1, epoch);
       sums.add(loss, batch.size());
       if (observer_.step && ((step + 1) % steps_between_reports == 0 || step + 1 == steps))
@@ -142,7 +188,17 @@ class Training {
                                  .epochs = done_.epoch,
                                  .epoch_kept = done_.epoch_kept,
                                  .data_licence = licence_of(acquisitions_),
-                                 .label = acquisitions_.front().label};
+                                 .label = Label::shaft};
+    if (config_.made.windows > 0) {
+      provenance.view = config_.made.view;
+      provenance.simulated = true;
+      provenance.made_windows = trainer_.optimiser().steps * static_cast<std::uint64_t>(config_.made.windows);
+    }
+    if (config_.from) provenance.begun_from = config_.from->name;
+    if (!acquisitions_.empty()) {
+      provenance.label = acquisitions_.front().label;
+      provenance.view = view_of(acquisitions_);
+    }
     for (std::size_t index = 0; index < acquisitions_.size(); ++index) {
       const Acquisition& acquisition = acquisitions_[index];
       const bool chooses = division_.held_out_acquisition == static_cast<std::uint32_t>(index);
@@ -161,6 +217,7 @@ class Training {
   WindowSet training_, held_out_;
   Checkpoint done_;
   network::Trainer trainer_;
+  std::optional<MadeWindows> made_;
   bool stopped_ = false;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "window_set.h"
 
+#include <algorithm>
 #include <array>
 #include <set>
 
@@ -35,7 +36,7 @@ std::size_t WindowSet::first_frame(std::size_t index) const {
   return std::size_t{windows_[index].last} + 1 - static_cast<std::size_t>(shape_.frames);
 }
 
-const float* WindowSet::frames(std::size_t index) const {
+const float* WindowSet::in_memory(std::size_t index) const {
   const std::vector<float>& prepared = prepared_[windows_[index].acquisition];
   return prepared.empty() ? nullptr : prepared.data() + first_frame(index) * shape_.pixels();
 }
@@ -46,7 +47,7 @@ void WindowSet::announce(std::size_t index) const {
     acquisition.stored->announce(first_frame(index), static_cast<std::size_t>(shape_.frames));
 }
 
-/// Prepared as prepare() does it, so that the network sees the same bits.
+/// Prepared as network::prepare() does it, so that the network sees the same bits.
 void WindowSet::read(std::size_t index, std::span<float> place) const {
   const auto frames = static_cast<std::size_t>(shape_.frames);
   std::array<float, network::max_frames * frame_pixels> temp_c;
@@ -56,36 +57,62 @@ void WindowSet::read(std::size_t index, std::span<float> place) const {
                            place.subspan(frame * shape_.pixels(), shape_.pixels()));
 }
 
-BatchBuffer::BatchBuffer(const WindowSet& set) : set_(set) {
-  const std::size_t window = static_cast<std::size_t>(set.shape().frames) * set.shape().pixels();
-  if (set.is_partly_stored()) read_.resize(network::max_batch * window);
+/// What does not depend on a turn is done first, in place; the mirror is the kernels'.
+void WindowSet::prepare(std::size_t index, network::Turn turn, std::span<float> place) const {
+  std::array<float, network::max_frames * frame_pixels> whole;
+  const std::span<float> window =
+      turn.without_mirror().is_none() ? place : std::span(whole).first(place.size());
+  if (const float* const frames = in_memory(index))
+    std::copy_n(frames, window.size(), window.data());
+  else
+    read(index, window);
+  if (scaling_.by_window) network::scale_window(window, shape_);
+  if (window.data() != place.data()) network::turn_window(window, shape_, turn.without_mirror(), place);
 }
 
+BatchBuffer::BatchBuffer(const WindowSet& set)
+    : set_(set), prepared_(network::max_batch * set.shape().inputs()) {}
+
 void BatchBuffer::clear() {
-  indices_.clear();
+  sources_.clear();
+  has_unprepared_ = false;
   frames_.clear();
   gyro_.clear();
   label_.clear();
   mirrored_.clear();
 }
 
-void BatchBuffer::add(std::size_t index, bool mirrored) {
-  const float sign = mirrored ? -1.0F : 1.0F;
-  const float* const in_memory = set_.frames(index);
-  frames_.push_back(in_memory != nullptr ? in_memory : place_of(indices_.size()).data());
-  indices_.push_back(index);
-  gyro_.push_back(sign * set_.gyro(index));
-  label_.push_back(sign * set_.label(index));
-  mirrored_.push_back(mirrored ? 1 : 0);
+void BatchBuffer::add(std::size_t index, network::Turn turn) {
+  const float* const ready = turn.without_mirror().is_none() ? set_.frames(index) : nullptr;
+  add({.index = index, .turn = turn}, ready, set_.label(index), set_.gyro(index));
+}
+
+void BatchBuffer::add(const MadeWindow& window, network::Turn turn) {
+  const float* const ready = turn.without_mirror().is_none() ? window.frames : nullptr;
+  add({.made = window.frames, .turn = turn}, ready, window.label, window.gyro);
+}
+
+void BatchBuffer::add(const Source& source, const float* ready, float label, float gyro) {
+  const float sign = source.turn.sign();
+  frames_.push_back(ready != nullptr ? ready : place_of(sources_.size()).data());
+  sources_.push_back(source);
+  has_unprepared_ = has_unprepared_ || ready == nullptr;
+  gyro_.push_back(sign * gyro);
+  label_.push_back(sign * label);
+  mirrored_.push_back(source.turn.mirrored() ? 1 : 0);
 }
 
 std::span<float> BatchBuffer::place_of(std::size_t place) {
-  const std::size_t window = read_.size() / network::max_batch;
-  return std::span(read_).subspan(place * window, window);
+  const std::size_t window = set_.shape().inputs();
+  return std::span(prepared_).subspan(place * window, window);
 }
 
-void BatchBuffer::read(std::size_t place) {
-  if (set_.frames(indices_[place]) == nullptr) set_.read(indices_[place], place_of(place));
+void BatchBuffer::prepare(std::size_t place) {
+  const Source& source = sources_[place];
+  const std::span<float> to = place_of(place);
+  if (frames_[place] != to.data()) return;
+  if (source.made == nullptr) return set_.prepare(source.index, source.turn, to);
+  network::turn_window({source.made, to.size()}, set_.shape(), source.turn.without_mirror(), to);
 }
 
 network::Batch BatchBuffer::batch() const {

@@ -38,15 +38,17 @@ std::size_t to_words(std::size_t bytes) {
 }
 
 /// sizeof of the state that c99/thermorig_network.h declares.
-std::size_t state_bytes(const network::Shape& shape, bool integer) {
+std::size_t state_bytes(const model::Model& model, bool integer) {
+  const network::Shape& shape = model.weights.shape;
   const auto frames = static_cast<std::size_t>(shape.frames);
   const auto pooled =
       static_cast<std::size_t>(network::filters1 * shape.pooled_rows() * shape.pooled_columns());
   const auto plane = static_cast<std::size_t>(shape.rows2() * shape.columns2());
   const std::size_t floats = frames + pooled + plane + 2 * network::hidden1;
   const std::size_t ring = shape.inputs() * (integer ? sizeof(std::int16_t) : sizeof(float));
+  const std::size_t degrees = model.scaling.by_window ? shape.inputs() * sizeof(float) : 0;
   const std::size_t values = pooled + plane;
-  return to_words(ring) + 2 * sizeof(std::int32_t) + sizeof(float) * floats +
+  return to_words(ring) + degrees + 2 * sizeof(std::int32_t) + sizeof(float) * floats +
          (integer ? to_words(sizeof(std::int16_t) * values) : 0);
 }
 
@@ -67,9 +69,10 @@ Words words_of(const model::Model& model, WeightKind kind) {
           {"rows2", fmt::to_string(shape.rows2())},
           {"columns2", fmt::to_string(shape.columns2())},
           {"int8", int8 ? "1" : "0"},
-          {"constant_bytes", fmt::to_string(constant_bytes(shape, kind))},
-          {"integer_state_bytes", fmt::to_string(state_bytes(shape, true))},
-          {"float_state_bytes", fmt::to_string(state_bytes(shape, false))}};
+          {"by_window", model.scaling.by_window ? "1" : "0"},
+          {"constant_bytes", fmt::to_string(constant_bytes(model, kind))},
+          {"integer_state_bytes", fmt::to_string(state_bytes(model, true))},
+          {"float_state_bytes", fmt::to_string(state_bytes(model, false))}};
 }
 
 }  // namespace
@@ -81,8 +84,8 @@ CSource c_source(const model::Model& model, WeightKind kind, const std::string& 
   source.files.push_back({name + ".h", filled(renamed(network_h, prefix, name), words)});
   source.files.push_back({name + ".c", filled(renamed(network_c, prefix, name), words)});
   source.files.push_back({name + "_weights.h", weights_text(model, kind)});
-  source.constant_bytes = constant_bytes(model.weights.shape, kind);
-  source.working_bytes = state_bytes(model.weights.shape, kind == WeightKind::int8);
+  source.constant_bytes = constant_bytes(model, kind);
+  source.working_bytes = state_bytes(model, kind == WeightKind::int8);
   return source;
 }
 

@@ -11,7 +11,10 @@ namespace thermorig::embedded {
 
 namespace {
 
-constexpr std::size_t scaling_values = 3;
+/// How many constants scaling_text() has.
+std::size_t scaling_values(const network::Scaling& scaling) {
+  return scaling.by_window ? 2 : 3;
+}
 constexpr std::size_t floats_a_line = 8, bytes_a_line = 24;
 
 template <typename Value, typename Text>
@@ -64,7 +67,12 @@ std::string scaling_text(const network::Scaling& scaling) {
   const auto constant = [](std::string_view name, float value, std::string_view comment) {
     return fmt::format("static const float {} = {}; /* {} */\n", name, float_text(value), comment);
   };
-  return constant("label_scale_dps", scaling.label_scale_dps, "deg/s that the network calls 1") +
+  const std::string label =
+      constant("label_scale_dps", scaling.label_scale_dps, "deg/s that the network calls 1");
+  if (scaling.by_window)
+    return label + constant("frame_period_s", scaling.frame_period_s,
+                            "where a frame comes so many seconds after another");
+  return label +
          constant("temp_mean_c", scaling.temp_mean_c, "of the training data's pixels, degrees Celsius") +
          constant("temp_deviation_c", scaling.temp_deviation_c, "the same");
 }
@@ -87,9 +95,9 @@ std::string float_text(float value) {
   return text + "f";
 }
 
-std::size_t constant_bytes(const network::Shape& shape, WeightKind kind) {
-  std::size_t bytes = scaling_values * sizeof(float);
-  for (const network::Tensor& tensor : network::tensors_of(shape)) {
+std::size_t constant_bytes(const model::Model& model, WeightKind kind) {
+  std::size_t bytes = scaling_values(model.scaling) * sizeof(float);
+  for (const network::Tensor& tensor : network::tensors_of(model.weights.shape)) {
     const bool small = kind == WeightKind::int8 && fits_8_bits(tensor);
     bytes += small ? tensor.size + sizeof(float) * static_cast<std::size_t>(tensor.dimensions.front())
                    : sizeof(float) * tensor.size;

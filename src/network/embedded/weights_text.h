@@ -11,7 +11,7 @@ namespace thermorig::embedded {
 std::string weights_text(const model::Model& model, WeightKind kind);
 
 /// Flash that they take.
-std::size_t constant_bytes(const network::Shape& shape, WeightKind kind);
+std::size_t constant_bytes(const model::Model& model, WeightKind kind);
 
 /// A number as C writes it, which reads back as the same float: shortest decimal. (Hexadecimal would be C99,
 /// but C++ only since 2017.)

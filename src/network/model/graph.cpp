@@ -56,6 +56,12 @@ Origin Graph::input_of(const onnx::NodeProto& node, int index) const {
   return origins_.at(node.input(index));
 }
 
+Origin Graph::input_named(std::string_view name) const {
+  for (const onnx::ValueInfoProto* input : inputs_)
+    if (input->name() == name) return {.input = input};
+  return {};
+}
+
 Origin Graph::output(std::string_view name) const {
   const auto& outputs = graph_.output();
   const bool listed =

@@ -37,6 +37,9 @@ class Graph {
   /// The output of the graph with this name; nothing set if it has none.
   Origin output(std::string_view name) const;
 
+  /// The input of the graph with this name; nothing set if it has none.
+  Origin input_named(std::string_view name) const;
+
   /// What has to be fed in: without the inputs that are initialisers as well, as older files have them.
   const std::vector<const onnx::ValueInfoProto*>& inputs() const { return inputs_; }
   /// Throws Refusal unless all outputs have one of these names.

@@ -22,11 +22,6 @@ std::string name_of_network(const network::Shape& shape) {
   return shape.fusion ? "fusion" : "thermal-only";
 }
 
-std::string crc32_of(const network::Weights& weights) {
-  return fmt::format("{:08x}",
-                     libdeflate_crc32(0, weights.values.data(), weights.values.size() * sizeof(float)));
-}
-
 class Entries {
  public:
   template <class Value>
@@ -46,14 +41,34 @@ class Entries {
   std::vector<std::pair<std::string, std::string>> entries_;
 };
 
+void add_window_scaling(Entries& entries, const Model& model) {
+  const Provenance& from = model.provenance;
+  entries.add(key::scaling, by_window);
+  entries.add(key::frame_period_s, model.scaling.frame_period_s);
+  entries.add(key::gate_states_sigma, model.scaling.gate_states_sigma);
+  if (from.view) {
+    entries.add(key::view_width_deg, from.view->width_deg);
+    entries.add(key::half_frames, from.view->half_frames);
+    entries.add(key::mirrored, from.view->mirrored);
+  }
+  entries.add(key::made_windows, from.made_windows);
+  entries.add_text(key::begun_from, from.begun_from);
+}
+
 }  // namespace
+
+std::string sum_of(const network::Weights& weights) {
+  return fmt::format("{:08x}",
+                     libdeflate_crc32(0, weights.values.data(), weights.values.size() * sizeof(float)));
+}
 
 std::vector<std::pair<std::string, std::string>> metadata_of(const Model& model) {
   const network::Shape& shape = model.weights.shape;
   const Provenance& from = model.provenance;
   Entries entries;
   entries.add(key::format, format_name);
-  entries.add(key::format_version, format_version_now);
+  entries.add(key::format_version,
+              model.scaling.by_window ? format_version_by_window : format_version_by_data_set);
   entries.add(key::network, name_of_network(shape));
   entries.add(key::frames, shape.frames);
   entries.add(key::reduction, shape.reduction);
@@ -61,8 +76,12 @@ std::vector<std::pair<std::string, std::string>> metadata_of(const Model& model)
   entries.add(key::padding2, shape.padding2);
   entries.add(key::crop_left, shape.crop_left);
   entries.add(key::label_scale_dps, model.scaling.label_scale_dps);
-  entries.add(key::temp_mean_c, model.scaling.temp_mean_c);
-  entries.add(key::temp_deviation_c, model.scaling.temp_deviation_c);
+  if (model.scaling.by_window) {
+    add_window_scaling(entries, model);
+  } else {
+    entries.add(key::temp_mean_c, model.scaling.temp_mean_c);
+    entries.add(key::temp_deviation_c, model.scaling.temp_deviation_c);
+  }
   entries.add_text(key::preset, from.preset);
   entries.add(key::seed, from.seed);
   entries.add(key::epochs, from.epochs);
@@ -73,7 +92,7 @@ std::vector<std::pair<std::string, std::string>> metadata_of(const Model& model)
   entries.add_data(key::training_data, from.training);
   entries.add_data(key::held_out_data, from.held_out);
   // The last, and required: a file that was cut off after any entry lacks it.
-  entries.add(key::weights_crc32, crc32_of(model.weights));
+  entries.add(key::weights_crc32, sum_of(model.weights));
   return entries.take();
 }
 
@@ -85,9 +104,16 @@ Metadata::Metadata(const std::vector<std::pair<std::string, std::string>>& entri
       throw Refusal(fmt::format("its metadata has {} twice", in_quotes(key)));
   }
   ours_ = find(key::format) == format_name;
-  if (ours_ && number<int>(key::format_version) != format_version_now)
-    throw Refusal(fmt::format("it is a model file of version {}, this program knows version {}",
-                              in_quotes(text(key::format_version)), format_version_now),
+  by_window_ = has(key::scaling);
+  if (by_window_ && text(key::scaling) != by_window)
+    throw Refusal(fmt::format("its frames are scaled by {}, which this program does not know",
+                              in_quotes(text(key::scaling))),
+                  "use the program that wrote it, or a newer one");
+  if (ours_ && number<int>(key::format_version) !=
+                   (by_window_ ? format_version_by_window : format_version_by_data_set))
+    throw Refusal(fmt::format("it is a model file of version {}, this program knows versions {} and {}",
+                              in_quotes(text(key::format_version)), format_version_by_data_set,
+                              format_version_by_window),
                   "use the program that wrote it, or a newer one");
 }
 
@@ -146,11 +172,20 @@ float Metadata::scale(std::string_view key) const {
 }
 
 network::Scaling Metadata::scaling() const {
-  const network::Scaling scaling{scale(key::label_scale_dps), scale(key::temp_mean_c),
-                                 scale(key::temp_deviation_c)};
+  network::Scaling scaling{.label_scale_dps = scale(key::label_scale_dps)};
+  if (by_window_) {
+    scaling.by_window = true;
+    scaling.frame_period_s = scale(key::frame_period_s);
+    scaling.gate_states_sigma = flag(key::gate_states_sigma);
+  } else {
+    scaling.temp_mean_c = scale(key::temp_mean_c);
+    scaling.temp_deviation_c = scale(key::temp_deviation_c);
+  }
   const auto within = [](float value, float least, float most) { return least <= value && value <= most; };
   if (!within(scaling.label_scale_dps, 1e-3F, 1e6F))
     throw Refusal("its label_scale_dps is not between 0.001 and 1,000,000 deg/s", scaling_advice);
+  if (by_window_ && !within(scaling.frame_period_s, 1e-3F, 100.0F))
+    throw Refusal("its frame_period_s is not between 0.001 and 100 s", scaling_advice);
   if (!within(scaling.temp_mean_c, -300.0F, 1e4F))
     throw Refusal("its temp_mean_c is not between -300 and 10,000 degrees", scaling_advice);
   if (!within(scaling.temp_deviation_c, 1e-4F, 1e4F))
@@ -169,6 +204,16 @@ std::vector<Provenance::Data> Metadata::data(std::string_view key) const {
       throw Refusal(fmt::format("its metadata {} is not a hash and a name", in_quotes(found->first)));
     data.push_back({text.substr(space + 1), text.substr(0, space)});
   }
+}
+
+std::optional<network::CameraView> Metadata::view() const {
+  if (!by_window_ || !has(key::view_width_deg)) return std::nullopt;
+  const network::CameraView view{.width_deg = number<double>(key::view_width_deg).value_or(0.0),
+                                 .half_frames = flag(key::half_frames),
+                                 .mirrored = flag(key::mirrored)};
+  if (!(view.width_deg >= 1.0 && view.width_deg <= 360.0))
+    throw Refusal("its view_width_deg is not between 1 and 360 degrees");
+  return view;
 }
 
 /// Ours did not say it while there was no choice.
@@ -195,12 +240,16 @@ Provenance Metadata::provenance(const std::string& producer) const {
   from.held_out = data(key::held_out_data);
   from.simulated = flag(key::simulated);
   from.data_licence = text(key::data_licence);
+  if (!by_window_) return from;
+  from.view = view();
+  from.made_windows = number<std::uint64_t>(key::made_windows).value_or(0);
+  from.begun_from = text(key::begun_from);
   return from;
 }
 
 void Metadata::check(const network::Weights& weights) const {
   const auto said = find(key::weights_crc32);
-  if (said && *said != crc32_of(weights))
+  if (said && *said != sum_of(weights))
     throw Refusal(
         "its weights differ from their checksum",
         "copy the file again; if the weights were changed on purpose, remove the metadata weights_crc32");

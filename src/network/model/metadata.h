@@ -37,13 +37,16 @@ class Metadata {
   template <class Number>
   std::optional<Number> number(std::string_view key) const;
   bool flag(std::string_view key) const;
+  bool has(std::string_view key) const { return entries_.find(key) != entries_.end(); }
   std::optional<Label> label() const;
+  std::optional<network::CameraView> view() const;
   float scale(std::string_view key) const;
   void compare(std::string_view key, int shown) const;
   std::vector<Provenance::Data> data(std::string_view key) const;
 
   std::map<std::string, std::string, std::less<>> entries_;
   bool ours_ = false;
+  bool by_window_ = false;
 };
 
 }  // namespace thermorig::model

@@ -11,6 +11,7 @@
 #include "layers.h"
 #include "names.h"
 #include "refusal.h"
+#include "scaling_graph.h"
 #include "tensor_values.h"
 #include "text.h"
 
@@ -29,13 +30,16 @@ struct Operands {
 
 class Reading {
  public:
-  explicit Reading(const onnx::GraphProto& file) : graph_(file), layers_(graph_) {}
+  explicit Reading(const onnx::GraphProto& file) : file_(file), graph_(file), layers_(graph_) {}
 
   NetworkGraph network() {
     graph_.check_outputs({value::fusion, value::thermal, value::gain});
     result_.shape.fusion = graph_.output(value::fusion) != Origin{};
     const Origin maps = result_.shape.fusion ? fusion() : thermal_only();
-    const Origin frames = backbone(maps);
+    Origin frames = backbone(maps);
+    if (frames.is("Clip")) frames = unscaled_frames(frames);
+    if ((result_.speed_scale > 0.0F) != scaled_reduction_.has_value())
+      throw Refusal("its graph is another network: it scales frames or speeds, and not both");
     read_frames(frames);
     check_inputs();
     result_.tensors = layers_.tensors();
@@ -53,8 +57,30 @@ class Reading {
     return layers_.convolution("conv1", filtered, result_.shape.padding1);
   }
 
+  /// The frames that a window's scaling begins with.
+  Origin unscaled_frames(const Origin& scaled) {
+    scaled_reduction_ = reduction_of_window_scaling(file_);
+    if (!scaled_reduction_ || scaled.node->output(0) != scaled_frames_name)
+      throw Refusal("its graph is another network: its frames are scaled in a way that is not known here",
+                    "export it without, and say in its metadata how frames are scaled");
+    return graph_.input_named(value::frames);
+  }
+
+  /// Of a network that speaks in degrees a period: speed3 * speed_scale / period.
+  Origin unscaled_speed(const Origin& thermal) {
+    if (!thermal.is("Div")) return thermal;
+    const auto [degrees, period] = operands_of(graph_, *thermal.node);
+    const auto [speed, scale] = operands_of(graph_, node_of(degrees, "Mul", "the speed"));
+    if (scale.constant == nullptr) refuse_graph("the scale of the speed", scale, "a constant");
+    copy_floats(*scale.constant, {}, false, {&result_.speed_scale, 1});
+    if (!(result_.speed_scale > 0.0F)) throw Refusal("the scale of its speed is not above 0");
+    period_ = period;
+    return speed;
+  }
+
   Origin speed_head(const Origin& thermal) {
-    const Origin hidden2 = before(graph_, layers_.linear("speed3", thermal), "Relu", "the input of speed3");
+    const Origin hidden2 =
+        before(graph_, layers_.linear("speed3", unscaled_speed(thermal)), "Relu", "the input of speed3");
     const Origin hidden1 = before(graph_, layers_.linear("speed2", hidden2), "Relu", "the input of speed2");
     return flattening_.before(graph_, layers_.linear("speed1", hidden1), "the input of speed1");
   }
@@ -147,6 +173,10 @@ class Reading {
     for (shape.reduction = network::min_reduction; shape.reduction <= network::max_reduction;
          ++shape.reduction)
       if (shape.rows() == size_of(dims.dim(2)) && shape.columns() == size_of(dims.dim(3))) break;
+    if (scaled_reduction_ && shape.reduction == network::min_reduction)
+      shape.reduction = *scaled_reduction_;
+    else if (scaled_reduction_)
+      shape.reduction = network::max_reduction + 1;
     if (shape.reduction > network::max_reduction)
       throw Refusal(fmt::format("its frames are not 24 x 32, 12 x 16 or 8 x 10 pixels but {} x {}",
                                 size_of(dims.dim(2)), size_of(dims.dim(3))),
@@ -162,7 +192,9 @@ class Reading {
   }
 
   void check_inputs() const {
-    const std::size_t needed = result_.shape.fusion ? 2 : 1;
+    const std::size_t needed = (result_.shape.fusion ? 2U : 1U) + (scaled_reduction_ ? 1U : 0U);
+    if (scaled_reduction_ && size_of(shape_of(period_, value::period, 2).dim(1)) != 1)
+      throw Refusal("its input 'period' is not (N, 1)");
     if (result_.shape.fusion && size_of(shape_of(gyro_, value::gyro, 2).dim(1)) != 1)
       throw Refusal("its input 'gyro' is not (N, 1)");
     if (graph_.inputs().size() != needed)
@@ -171,11 +203,13 @@ class Reading {
           names_advice);
   }
 
+  const onnx::GraphProto& file_;
   Graph graph_;
   Layers layers_;
   Flattening flattening_;
   NetworkGraph result_;
-  Origin gyro_;
+  Origin gyro_, period_;
+  std::optional<int> scaled_reduction_;  // of a window's scaling in the graph
 };
 
 }  // namespace

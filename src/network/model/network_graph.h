@@ -19,6 +19,8 @@ struct TensorSource {
 /// What a graph says that computes this network.
 struct NetworkGraph {
   network::Shape shape;  // crop_left is not in a graph
+  float speed_scale =
+      0.0F;  // above 0: frames are scaled in the graph, and speeds are degrees a period over it
   std::map<std::string, TensorSource>
       tensors;  // by the names of network::tensors_of, also where the file's differ
 };

@@ -8,6 +8,7 @@
 #include "metadata.h"
 #include "network_graph.h"
 #include "refusal.h"
+#include "scaling_graph.h"
 #include "size_limit.h"
 #include "tensor_values.h"
 #include "text.h"
@@ -86,6 +87,19 @@ std::string producer_of(const onnx::ModelProto& file) {
   return plain_text(version.empty() ? name : name + " " + version);
 }
 
+/// What a graph does to frames and speeds, its metadata must say, for that is what is done here.
+void check_scaling(const NetworkGraph& graph, const network::Scaling& scaling, bool ours, int crop_left) {
+  const bool in_graph = graph.speed_scale > 0.0F;
+  if (in_graph && !scaling.by_window)
+    throw Refusal("its graph scales each window by itself, and its metadata does not say so");
+  if (in_graph && graph.speed_scale != speed_scale_of(scaling))
+    throw Refusal("its graph scales speeds otherwise than label_scale_dps and frame_period_s say");
+  if (!in_graph && ours && scaling.by_window)
+    throw Refusal("its metadata says that scaling is in the graph, and it is not");
+  if (in_graph && crop_left != 0)
+    throw Refusal("its graph averages from the first column on, and its metadata has a crop_left");
+}
+
 Model model_of(std::span<const std::uint8_t> bytes) {
   check_kind(bytes);
   check_wire(bytes);
@@ -96,6 +110,7 @@ Model model_of(std::span<const std::uint8_t> bytes) {
   network::Shape shape = graph.shape;
   metadata.complete(shape);
   Model model{weights_of(graph, shape), metadata.scaling(), metadata.provenance(producer_of(file))};
+  check_scaling(graph, model.scaling, metadata.is_ours(), shape.crop_left);
   metadata.check(model.weights);
   return model;
 }

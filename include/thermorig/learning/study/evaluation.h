@@ -23,7 +23,9 @@ struct JudgedWindow {
   float label_dps = std::numeric_limits<float>::quiet_NaN();  // mean of the frames' labels
   float shaft_dps = std::numeric_limits<float>::quiet_NaN();  // of the shaft's speeds by the servo model
   PerEstimator<float> rate_dps{std::numeric_limits<float>::quiet_NaN()};
-  float gain = std::numeric_limits<float>::quiet_NaN();       // Kg
+  float gain = std::numeric_limits<float>::quiet_NaN();  // Kg
+  float sigma_dps =
+      std::numeric_limits<float>::quiet_NaN();  // of the rate from the images, as the gate states it
   float bound_dps = std::numeric_limits<float>::quiet_NaN();  // Cramer-Rao bound of its rate from its images
 };
 
@@ -31,10 +33,11 @@ struct JudgedWindow {
 std::vector<JudgedWindow> judged_windows(std::span<const network::Acquisition> acquisitions,
                                          std::span<const network::Window> windows, int frames);
 
-/// The same, and what a model says of them. A thermal-only model says nothing of fusion and Kg.
+/// The same, and what a model says of them, `turned` as training::predict() has it. A thermal-only model says
+/// nothing of fusion and Kg.
 std::vector<JudgedWindow> judged_windows(const model::Model& model,
                                          std::span<const network::Acquisition> acquisitions,
-                                         std::span<const network::Window> windows);
+                                         std::span<const network::Window> windows, int turned = 1);
 
 /// Errors of one estimator over those windows where both it and the label say something. A window without a
 /// gyro reading (NaN) is left out of every estimator that needs one, and `windows` is smaller by it; a
@@ -103,11 +106,25 @@ struct AngleTrack {
   PerEstimator<double> settled_drift_deg_per_min{unknown}, settled_worst_deg{unknown};
 };
 
+/// What a gate states of the rate from the images, beside its errors against the shaft, and what the fusion
+/// is worth whichever gyro the windows happen to have.
+struct GateSigma {
+  std::uint64_t windows = 0;
+  double median_dps = unknown;  // of the sigmas stated
+  double within_one = unknown,
+         within_two = unknown;                    // shares of the errors; 0.68 and 0.95 if they were normal
+  double gain_p05 = unknown, gain_p95 = unknown;  // quantiles of Kg
+  double fusion_rmse_dps = unknown;  // in expectation over a gyro that is off by 10 deg/s (one sigma)
+};
+inline constexpr double expected_gyro_dps = 10.0;
+
 /// The acquisitions of one environment together.
 struct EnvironmentErrors {
   std::string name;
   std::size_t acquisitions = 0;
   PerEstimator<Errors> errors;
+  PerEstimator<Errors> shaft_errors;
+  std::optional<GateSigma> sigma;
 };
 
 /// A model, or a fold's model, on the windows of one or more acquisitions.
@@ -119,6 +136,7 @@ struct Evaluation {
   GainStatistics gain;                          // empty for a thermal-only model
   std::vector<AngleTrack> angles;               // one an acquisition, in order
   std::vector<std::string> names;               // of the acquisitions
+  std::optional<GateSigma> sigma;               // where the gate states one; not kept in a study's results
   std::optional<BoundErrors> bounds;  // where the acquisitions have any; not kept in a study's results
   bool simulated = false;             // any of them
 };

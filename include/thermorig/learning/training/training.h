@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,6 +16,20 @@
 
 namespace thermorig::training {
 
+/// Windows of rooms that are made up while a training runs: no recording is needed, and none is shared.
+struct MadeRooms {
+  int windows = 0;            // of each batch; 0: none, all of them: no recording
+  network::CameraView view;   // that sees them
+  int steps_an_epoch = 1000;  // where there is no recording that an epoch could go through
+  int rounds_kept = 48;  // of 8 rooms and 192 windows each, a new one every 32 steps: how many are in use
+};
+
+/// A network that a training begins with instead of drawn weights.
+struct Beginning {
+  std::string name;  // of it, and of its weights' sum: for the run's description
+  network::Weights weights;
+};
+
 /// How a network is trained. Paper section III; what it leaves open is a setting.
 struct TrainingConfig {
   std::string preset = "best";  // "paper", "best", or "custom" once anything differs from both
@@ -23,8 +38,14 @@ struct TrainingConfig {
   int batch = 32;  // 1..32
   network::LossConfig loss;
   network::AdamConfig adam;
-  bool mirror =
-      false;  // half of the windows, drawn anew each epoch, flipped left to right with speed and gyro negated
+  // Of how many symmetries each window is shown in one, drawn anew each epoch: 1 as it is, 2 half of them
+  // flipped left to right with speed and gyro negated, 8 all of network::Turn.
+  int symmetries = 1;
+  bool window_scaling =
+      false;            // each window by itself, speeds in degrees a frame period; else by the data set
+  bool cosine = false;  // the rate rises over the first steps, then falls as half a cosine; else constant
+  MadeRooms made;
+  std::shared_ptr<const Beginning> from;  // null: drawn by the seed
   // Keep the epoch with the lowest error on one held-out training acquisition (fused plus, weighed as in the
   // loss, thermal); false: the last.
   bool choose_epoch = false;
@@ -34,12 +55,13 @@ struct TrainingConfig {
   float label_scale_dps = 200.0F;
 };
 
-/// Preset `paper`: to the letter (no auxiliary loss, no mirror, last epoch). Preset `best`: auxiliary thermal
-/// loss, mirror, epoch chosen on a held-out acquisition. Throws Error(bad_usage) for another name.
+/// Preset `paper`: to the letter (berHu alone, scaled by the data set, no symmetry). Preset `best`:
+/// likelihood, scaled by the window, eight symmetries, a cosine of rates (docs/training.md). Both keep the
+/// last epoch. Throws Error(bad_usage) for another name.
 TrainingConfig preset(const std::string& name);
 
-/// "paper" or "best" if everything that a preset fixes is as it has it, else "custom". Shape, seed and
-/// `history` are not what a preset fixes.
+/// "paper" or "best" if everything that a preset fixes is as it has it, else "custom". Shape, seed,
+/// `history`, `made` and `from` are not what a preset fixes.
 std::string preset_of(const TrainingConfig& config);
 
 /// Throws Error(bad_usage) with what cannot be: a shape that does not exist, a number out of its range.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "thermorig/core/label.h"
+#include "thermorig/network/camera_view.h"
 #include "thermorig/network/scaling.h"
 #include "thermorig/network/weights.h"
 
@@ -30,6 +31,10 @@ struct Provenance {
   bool simulated = false;      // any of them
   std::string data_licence;    // of the training data
   std::optional<Label> label;  // that was learnt; none: a foreign file does not say
+  // Of networks that scale by the window; others do not say it.
+  std::optional<network::CameraView> view;  // of the camera whose images were learnt; none: of several
+  std::uint64_t made_windows = 0;           // of made-up rooms, counted each time that one was shown
+  std::string begun_from;                   // the network that the training began with; empty: none
 };
 
 /// A trained network with all that is needed to use it.
@@ -48,6 +53,9 @@ std::string to_onnx(const Model& model, int batch = 0);
 /// Hostile bytes are refused with Error(not_a_session): what is wrong, `where`, what to try. Never allocates
 /// by what the file claims.
 Model from_onnx(std::span<const std::uint8_t> bytes, const std::string& where);
+
+/// CRC-32 of the weights, hexadecimal: `weights_crc32` of the file.
+std::string sum_of(const network::Weights& weights);
 
 /// Throws Error(storage) if it cannot be written; written to a temporary name, synced, renamed.
 void write_model(const std::filesystem::path& path, const Model& model, int batch = 0);

@@ -30,9 +30,13 @@ typedef thermorig_network_value network_value;
 typedef char network_state_size_is_as_stated[sizeof(network_state) == THERMORIG_NETWORK_STATE_BYTES ? 1 : -1];
 
 #if THERMORIG_NETWORK_INTEGER
-typedef int32_t network_sum;    /* at most 192 products of 15 and 7 bits: below 2^30 */
-#define VALUE_MAX 32767.0f      /* of an activation */
+typedef int32_t network_sum; /* at most 192 products of 15 and 7 bits: below 2^30 */
+#define VALUE_MAX 32767.0f   /* of an activation */
+#if THERMORIG_NETWORK_BY_WINDOW
+#define STEPS_A_DEVIATION 8191.0f /* of a scaled window: 4 deviations either way */
+#else
 #define STEPS_PER_DEGREE 256.0f /* frames are kept about the training mean, 128 degrees either way */
+#endif
 #else
 typedef float network_sum;
 #endif
@@ -101,22 +105,94 @@ static const network_value* values_of(const float* real, int count, network_valu
 #endif
 }
 
-/* One pixel of the input: the mean of its block of the camera's pixels, less the training data's mean, in its
- * deviations. */
-static network_value prepared(const float* temp_c, int row, int column) {
+/* The mean of a block of the camera's pixels, in degrees. */
+static float block_mean(const float* temp_c, int row, int column) {
   const int size = THERMORIG_NETWORK_REDUCTION;
   float total = 0.0f;
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x)
       total += temp_c[(row * size + y) * THERMORIG_NETWORK_CAMERA_COLUMNS + THERMORIG_NETWORK_CROP_LEFT +
                       column * size + x];
-  const float above_mean_c = total / (float)(size * size) - temp_mean_c;
+  return total / (float)(size * size);
+}
+
+#if THERMORIG_NETWORK_BY_WINDOW
+#define ROWS THERMORIG_NETWORK_ROWS
+#define COLUMNS THERMORIG_NETWORK_COLUMNS
+#define ROUNDS 4
+#define OUTLIER 3.0f          /* deviations from its row: does not count */
+#define LEAST_DEVIATION 0.01f /* degrees */
+#define MOST_DEVIATIONS 4.0f  /* that are left of a pixel */
+
+static const float* degrees_of(const network_state* state, int frame) {
+  return state->degrees[(state->next + frame) % FRAMES];
+}
+
+/* What of a row, in all frames, is within `limit` of `mean`: how many pixels, and the sums of what they are
+ * above it and of the squares of that. */
+typedef struct {
+  float count, sum, squares;
+} row_sums;
+
+static row_sums sums_of_row(const network_state* state, int row, float mean, float limit) {
+  row_sums sums = {0.0f, 0.0f, 0.0f};
+  for (int i = 0; i < FRAMES; ++i) {
+    const float* values = degrees_of(state, i) + row * COLUMNS;
+    for (int x = 0; x < COLUMNS; ++x) {
+      const float off = values[x] - mean;
+      if (!(off <= limit && off >= -limit)) continue;
+      sums.count += 1.0f;
+      sums.sum += off;
+      sums.squares += off * off;
+    }
+  }
+  return sums;
+}
+
+static network_value scaled(float deviations) {
+  const float x = deviations > MOST_DEVIATIONS    ? MOST_DEVIATIONS
+                  : deviations < -MOST_DEVIATIONS ? -MOST_DEVIATIONS
+                                                  : deviations;
 #if THERMORIG_NETWORK_INTEGER
-  return rounded(above_mean_c * STEPS_PER_DEGREE);
+  return rounded(x * STEPS_A_DEVIATION);
 #else
-  return above_mean_c / temp_deviation_c;
+  return x;
 #endif
 }
+
+/* The ring's frames, oldest first, to `frame`: each row less its mean, all over one deviation. */
+static void scale_window(network_state* state) {
+  float mean[ROWS], deviation = FLT_MAX / OUTLIER;
+  for (int row = 0; row < ROWS; ++row) {
+    const float first = degrees_of(state, 0)[row * COLUMNS]; /* near the mean: no digit is lost */
+    mean[row] = first + sums_of_row(state, row, first, FLT_MAX).sum / (float)(FRAMES * COLUMNS);
+  }
+  for (int round = 0; round < ROUNDS; ++round) {
+    float count = 0.0f, squares = 0.0f;
+    for (int row = 0; row < ROWS; ++row) {
+      const row_sums sums = sums_of_row(state, row, mean[row], OUTLIER * deviation);
+      const float shift = sums.count > 0.0f ? sums.sum / sums.count : 0.0f;
+      mean[row] += shift;
+      count += sums.count;
+      squares += sums.squares - sums.count * shift * shift;
+    }
+    deviation = count > 0.0f && squares > 0.0f ? sqrtf(squares / count) : 0.0f;
+    if (deviation < LEAST_DEVIATION) deviation = LEAST_DEVIATION;
+  }
+  for (int i = 0; i < FRAMES; ++i)
+    for (int place = 0; place < PIXELS; ++place)
+      state->frame[i][place] = scaled((degrees_of(state, i)[place] - mean[place / COLUMNS]) / deviation);
+}
+#else
+/* One pixel of the input, less the training data's mean, in its deviations. */
+static network_value prepared(float degrees) {
+#if THERMORIG_NETWORK_INTEGER
+  return rounded((degrees - temp_mean_c) * STEPS_PER_DEGREE);
+#else
+  return (degrees - temp_mean_c) / temp_deviation_c;
+#endif
+}
+#endif
 
 /* A filter's sum of products with its upper left corner at (top, left) of the padded image. */
 static network_sum filter_at(const image* in, const network_weight* weights, int top, int left) {
@@ -166,17 +242,23 @@ static void add_features(const network_value* plane, float scale, const network_
     totals[row] += (float)dot(plane, weights + row * FEATURES, PLANE2) * scale;
 }
 
-/* The ring's frames, oldest first. */
+/* The window's frames, oldest first. */
 static image window_of(const network_state* state) {
   image window = {{0}, FRAMES, THERMORIG_NETWORK_ROWS, THERMORIG_NETWORK_COLUMNS, THERMORIG_NETWORK_PADDING1};
+#if THERMORIG_NETWORK_BY_WINDOW
+  for (int i = 0; i < FRAMES; ++i) window.plane[i] = state->frame[i];
+#else
   for (int i = 0; i < FRAMES; ++i) window.plane[i] = state->frame[(state->next + i) % FRAMES];
+#endif
   return window;
 }
 
 /* First convolution to `pooled`. */
 static void convolve_window(network_state* state) {
   const image window = window_of(state);
-#if THERMORIG_NETWORK_INTEGER
+#if THERMORIG_NETWORK_INTEGER && THERMORIG_NETWORK_BY_WINDOW
+  const float scale = 1.0f / STEPS_A_DEVIATION;
+#elif THERMORIG_NETWORK_INTEGER
   const float scale = 1.0f / (STEPS_PER_DEGREE * temp_deviation_c);
 #else
   const float scale = 1.0f;
@@ -255,11 +337,17 @@ static float gyro_of(const network_state* state) {
 }
 
 static void run_network(network_state* state, float gyro_dps, thermorig_network_output* output) {
+#if THERMORIG_NETWORK_BY_WINDOW
+  const float scale_dps = label_scale_dps * (frame_period_s / THERMORIG_NETWORK_PERIOD_S);
+  scale_window(state);
+#else
+  const float scale_dps = label_scale_dps;
+#endif
   convolve_window(state);
   convolve_pooled(state);
   const float gain = gain_of(state); /* first: the speed head uses its memory again */
   const float thermal = thermal_speed(state);
-  output->thermal_dps = thermal * label_scale_dps;
+  output->thermal_dps = thermal * scale_dps;
   output->gain = gain;
 #if THERMORIG_NETWORK_FUSION
   output->fusion_dps = gain * output->thermal_dps + (1.0f - gain) * gyro_dps;
@@ -270,10 +358,18 @@ static void run_network(network_state* state, float gyro_dps, thermorig_network_
 }
 
 static void add_frame(network_state* state, const float* temp_c, float gyro_dps) {
+#if THERMORIG_NETWORK_BY_WINDOW
+  float* frame = state->degrees[state->next];
+#else
   network_value* frame = state->frame[state->next];
+#endif
   for (int row = 0; row < THERMORIG_NETWORK_ROWS; ++row)
     for (int column = 0; column < THERMORIG_NETWORK_COLUMNS; ++column)
-      *frame++ = prepared(temp_c, row, column);
+#if THERMORIG_NETWORK_BY_WINDOW
+      *frame++ = block_mean(temp_c, row, column);
+#else
+      *frame++ = prepared(block_mean(temp_c, row, column));
+#endif
   state->gyro_dps[state->next] = gyro_dps;
   state->next = (state->next + 1) % FRAMES;
   if (state->count < FRAMES) ++state->count;

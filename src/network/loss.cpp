@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "berhu.h"
+#include "loss.h"
 
 #include <algorithm>
 #include <array>
@@ -67,6 +67,41 @@ double berhu(std::span<const double> errors, double fraction, std::span<double> 
   return loss * share;
 }
 
+namespace {
+
+constexpr double gate_weight = 0.1;       // of the gate's own likelihood
+constexpr double most_surprising = 30.0;  // square of an error in sigmas: beyond, the gate learns no more
+constexpr double least_odds = 1e-9;       // of Kg, either way: a float tells no less
+
+double gate_odds(double gain) {
+  return std::max(gain, least_odds) / std::max(1.0 - gain, least_odds);
+}
+
+/// Beta-NLL (Seitzer and others 2022) with beta = 0.5 for y_th: its square over 2 sigma^2, weighed by sigma,
+/// which is held. For z, of which Kg is the sigmoid, the likelihood itself, y_th held.
+StepLoss likelihood_of(const BatchOutputs& of, std::span<float> thermal_gradient,
+                       std::span<float> gain_gradient) {
+  const std::size_t size = of.thermal.size();
+  const double share = 1.0 / static_cast<double>(size);
+  double loss = 0.0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double error = static_cast<double>(of.thermal[i]) - of.label[i];
+    const double sigma = gate_sigma(of.gain[i], gate_gyro_sigma);
+    const double square = error * error / (sigma * sigma);
+    loss += share * (0.5 * square * sigma + 0.5 * gate_weight * (square - std::log(gate_odds(of.gain[i]))));
+    thermal_gradient[i] = static_cast<float>(share * error / sigma);
+    gain_gradient[i] =
+        static_cast<float>(0.5 * gate_weight * share * (std::min(square, most_surprising) - 1.0));
+  }
+  return {.loss = loss};
+}
+
+}  // namespace
+
+double gate_sigma(double gain, double gyro_sigma) {
+  return gyro_sigma / std::sqrt(gate_odds(gain));
+}
+
 StepLoss loss_of(const BatchOutputs& outputs, const LossConfig& config, std::span<float> thermal_gradient,
                  std::span<float> gain_gradient) {
   const std::size_t size = outputs.thermal.size();
@@ -75,6 +110,12 @@ StepLoss loss_of(const BatchOutputs& outputs, const LossConfig& config, std::spa
   const auto first = [size](const PerSample& all) { return std::span(all).first(size); };
 
   StepLoss result;
+  if (config.likelihood && !outputs.gain.empty()) {
+    result = likelihood_of(outputs, thermal_gradient, gain_gradient);
+    result.squared_error = mean_square(first(errors.fusion));
+    result.gain_mean = mean_of(outputs.gain, 1.0);
+    return result;
+  }
   result.loss = berhu(first(errors.fusion), config.berhu_fraction, slope);
   const double weight = config.auxiliary_thermal;
   if (weight != 0.0) result.loss += weight * berhu(first(errors.thermal), config.berhu_fraction, auxiliary);
