@@ -45,6 +45,19 @@ TEST_F(Record, WritesASessionAndSaysWhatToTypeNext) {
   EXPECT_EQ(outcome.err, "");
 }
 
+/// A sketch's lines between the images are no sign of a bad cable.
+TEST_F(Record, TakesACameraWhoseSketchSendsItsImagesAsAnyOther) {
+  for (const std::string camera : {"text", "binary"}) {
+    const Outcome outcome = run("record --simulated=3 --fast --world honest --simulated-camera " + camera +
+                                " --environment " + camera + " " + brief_plan);
+    ASSERT_EQ(outcome.code, 0) << camera << outcome.err;
+  }
+  for (const auto& session : files(".h5")) {
+    EXPECT_EQ(run("inspect --check " + session.string()).code, 0) << session;
+  }
+  EXPECT_EQ(files(".h5").size(), 2U);
+}
+
 TEST_F(Record, GivesEventsAsJsonLinesWithTheSummaryLast) {
   const Outcome outcome = run(fast + "--json " + brief_plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;

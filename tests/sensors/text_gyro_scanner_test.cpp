@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -239,6 +240,23 @@ TEST(TextGyroScanner, ReadsARealLogOfAnMpu6050) {
   const auto lines = static_cast<std::size_t>(std::count(bytes->begin(), bytes->end(), '\n'));
   EXPECT_EQ(scan.messages.size(), lines - 1);  // the first line names the columns
   EXPECT_EQ(scan.counters.bad_value, 0U);
+}
+
+TEST(TextGyroScanner, CountsLinesOfOtherKindsAsFillerAndNotAsDamage) {
+  TextColumns columns;
+  columns.prefix = "Rotation X:";
+  columns.rate = {0, 2, 4};
+  std::string text;
+  for (int i = 0; i < 10; ++i)
+    text += fmt::format(
+        "Acceleration X: 0.1{0}, Y: 0.2, Z: 9.8 m/s^2\r\nRotation X: 0.0{0}, Y: 0.01, Z: 0.02 rad/s\r\n", i);
+  const auto scan = scan_any_chunking<wire::GyroMessage>(text_scanner(columns),
+                                                         ByteVector(text.begin(), text.end()), Stream::ends);
+  EXPECT_EQ(scan.messages.size(), 10U);
+  EXPECT_EQ(scan.counters.bytes_in_filler,
+            10 * (sizeof("Acceleration X: 0.10, Y: 0.2, Z: 9.8 m/s^2\r\n") - 1));
+  EXPECT_EQ(scan.counters.bytes_in_filler, scan.counters.bytes_skipped);
+  EXPECT_EQ(scan.counters.bytes_in_damaged, 0U);
 }
 
 }  // namespace

@@ -182,8 +182,10 @@ std::optional<PreflightStream> PreflightWatch::stream(Device device, HostTime no
     if (stream.own_time_unused.empty()) missing = std::max(missing, missing_by_time(heard));
   }
   stream.lost_share = ratio(missing, missing + static_cast<double>(heard.size()));
-  const auto damaged = static_cast<double>(after.bytes_skipped - before.bytes_skipped +
-                                           after.bytes_in_damaged - before.bytes_in_damaged);
+  const auto without_message = [](const wire::Counters& counters) {
+    return counters.bytes_skipped - counters.bytes_in_filler + counters.bytes_in_damaged;
+  };
+  const auto damaged = static_cast<double>(without_message(after) - without_message(before));
   stream.damaged_share = ratio(damaged, static_cast<double>(after.bytes_received - before.bytes_received));
   if (!heard.empty()) stream.uncertainty_s = heard.back().uncertainty_s;
   return stream;

@@ -50,6 +50,7 @@ void ByteLedger::book_gap(std::size_t bytes) {
 void ByteLedger::book_filler(std::size_t bytes) {
   advance(bytes);
   counters.bytes_skipped += bytes;
+  counters.bytes_in_filler += bytes;
 }
 
 bool ByteLedger::take_gap() {

@@ -21,8 +21,9 @@ struct Counters {
   std::uint64_t bad_value = 0;   // a line or field that cannot be read as numbers, not finite
   std::uint64_t lost = 0;     // messages that sequence numbers, or gaps in a steady rate, show to be missing
   std::uint64_t resyncs = 0;  // times that bytes were skipped to find the next message
-  std::uint64_t layout_changes =
-      0;  // of lines of text: times that they went on with other columns; not stored
+  // Not stored:
+  std::uint64_t layout_changes = 0;   // of lines of text: times that they went on with other columns
+  std::uint64_t bytes_in_filler = 0;  // of those skipped: lines and packets of other kinds, sound as they are
   bool operator==(const Counters&) const = default;
 };
 
