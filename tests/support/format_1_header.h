@@ -78,10 +78,9 @@ inline nlohmann::json format_1_servo(const ServoProfile& servo) {
 inline RigProfile format_1_profile(RigProfile profile) {
   profile.gyro.bandwidth_hz = GyroProfile().bandwidth_hz;
   profile.gyro.filter_delay_s = GyroProfile().filter_delay_s;
-  CameraProfile camera;  // nothing was known of its lens
+  CameraProfile camera;  // nothing was known of its lens, and one protocol alone
   camera.link = profile.camera.link;
   camera.model = profile.camera.model;
-  camera.protocol = profile.camera.protocol;
   camera.output_rate_hz = profile.camera.output_rate_hz;
   camera.field_of_view_deg = profile.camera.field_of_view_deg;
   camera.mirrored = profile.camera.mirrored;
