@@ -27,6 +27,7 @@ void append(ByteVector& bytes, std::span<const std::uint8_t> more) {
 /// Of two pieces of a stream together.
 wire::Counters sum_of(wire::Counters counters, const wire::Counters& others) {
   for (const auto& counter : wire::counter_names) counters.*counter.member += others.*counter.member;
+  counters.bytes_in_filler += others.bytes_in_filler;  // which is not stored
   return counters;
 }
 
