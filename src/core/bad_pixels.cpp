@@ -26,7 +26,7 @@ struct Around {
   std::size_t count = 0;
 };
 
-Around around_of(std::size_t place) {
+constexpr Around look_around(std::size_t place) {
   constexpr std::array<std::array<int, 2>, 8> steps{
       {{-1, -1}, {-1, 1}, {1, -1}, {1, 1}, {-2, 0}, {0, -2}, {0, 2}, {2, 0}}};
   Around around;
@@ -41,10 +41,16 @@ Around around_of(std::size_t place) {
   return around;
 }
 
+constexpr std::array<Around, frame_pixels> all_arounds = [] {
+  std::array<Around, frame_pixels> all{};
+  for (std::size_t place = 0; place < frame_pixels; ++place) all[place] = look_around(place);
+  return all;
+}();
+
 /// Of those around the pixel; of an even number the lower one. `of` may say that one is no number.
 template <typename Of>
 float median_around(std::size_t place, Of of) {
-  const Around around = around_of(place);
+  const Around& around = all_arounds[place];
   std::array<float, 8> values{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < around.count; ++i)
@@ -91,24 +97,29 @@ void PixelWatch::add_half(const ThermalFrame& frame, unsigned parity) {
   }
 }
 
-bool PixelWatch::is_bad(std::size_t place) const {
-  const Pixel& pixel = pixels_[place];
+bool PixelWatch::is_stuck(std::size_t place) const {
   const float change_c = median_around(place, [&](std::size_t other) { return pixels_[other].change_c; });
-  return pixel.unread > most_unread || std::abs(pixel.off_c) > hot_c ||
-         (change_c > least_change_c && pixel.change_c < stuck_share * change_c);
+  return change_c > least_change_c && pixels_[place].change_c < stuck_share * change_c;
 }
 
 void PixelWatch::judge() {
   bad_.clear();
   if (std::min(readings_[0], readings_[1]) < fewest_readings) return;
-  for (std::size_t place = 0; place < frame_pixels; ++place)
-    if (is_bad(place)) bad_.push_back(static_cast<std::uint16_t>(place));
+  const auto by_change = [](const Pixel& a, const Pixel& b) { return a.change_c < b.change_c; };
+  const float most_change_c = std::max_element(pixels_.begin(), pixels_.end(), by_change)->change_c;
+  for (std::size_t place = 0; place < frame_pixels; ++place) {
+    const Pixel& pixel = pixels_[place];
+    const bool may_be_stuck =
+        pixel.change_c < stuck_share * most_change_c;  // few: those around need not be asked
+    if (pixel.unread > most_unread || std::abs(pixel.off_c) > hot_c || (may_be_stuck && is_stuck(place)))
+      bad_.push_back(static_cast<std::uint16_t>(place));
+  }
   if (bad_.size() > most_bad) bad_.clear();
 }
 
 void mend(ThermalFrame& frame, std::span<const std::uint16_t> bad) {
   for (const std::uint16_t place : bad) {
-    const Around around = around_of(place);
+    const Around& around = all_arounds[place];
     float sum_c = 0.0F, count = 0.0F;
     for (std::size_t i = 0; i < around.count; ++i) {
       const float temp_c = frame.temp_c[around.place[i]];

@@ -35,7 +35,7 @@ class PixelWatch {
  private:
   void add_half(const ThermalFrame& frame, unsigned parity);
   void judge();
-  bool is_bad(std::size_t place) const;
+  bool is_stuck(std::size_t place) const;
 
   struct Pixel {
     float last_c = 0.0F;
