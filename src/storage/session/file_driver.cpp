@@ -4,25 +4,70 @@
 #include "file_driver.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <iterator>
 #include <span>
+#include <utility>
+#include <vector>
 
 namespace thermorig::session {
 
 namespace {
 
+/// The library reads headers and indexes in pieces of some bytes: what lies around them is read at once, and
+/// kept until four other places were.
+class Blocks {
+ public:
+  void read(const StoredFile& file, std::uint64_t from, std::span<std::byte> out) {
+    while (!out.empty()) {
+      const std::uint64_t begin = from - from % block_bytes;
+      const std::size_t at = from - begin, size = std::min(out.size(), block_bytes - at);
+      const Block& block = block_at(file, begin);
+      std::copy_n(block.bytes.begin() + static_cast<std::ptrdiff_t>(at), size, out.begin());
+      from += size;
+      out = out.subspan(size);
+    }
+  }
+  static constexpr std::size_t block_bytes = 1 << 16;
+
+ private:
+  struct Block {
+    std::uint64_t begin = 0;
+    std::vector<std::byte> bytes;  // empty: not read
+  };
+
+  const Block& block_at(const StoredFile& file, std::uint64_t begin) {
+    for (const Block& block : blocks_)
+      if (!block.bytes.empty() && block.begin == begin) return block;
+    Block& block = blocks_[next_++ % blocks_.size()];
+    std::vector<std::byte> bytes(block_bytes);
+    block.bytes.clear();
+    file.read(begin, bytes);
+    block = {begin, std::move(bytes)};
+    return block;
+  }
+
+  std::array<Block, 4> blocks_;
+  std::size_t next_ = 0;
+};
+
 struct File {
   H5FD_t of_library;  // first: the library knows a file by the address of this
   DriverSource* source;
+  Blocks blocks;
 };
 
+File* file_of(H5FD_t* file) {
+  return reinterpret_cast<File*>(file);
+}
 const File* file_of(const H5FD_t* file) {
   return reinterpret_cast<const File*>(file);
 }
 
 H5FD_t* open(const char* /*name*/, unsigned /*flags*/, hid_t access, haddr_t /*most*/) {
   const auto* info = static_cast<DriverSource* const*>(H5Pget_driver_info(access));
-  return info == nullptr ? nullptr : &(new File{{}, *info})->of_library;
+  return info == nullptr ? nullptr : &(new File{{}, *info, {}})->of_library;
 }
 
 herr_t close(H5FD_t* file) {
@@ -52,7 +97,11 @@ haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t /*type*/) {
 herr_t read(H5FD_t* file, H5FD_mem_t /*type*/, hid_t /*transfer*/, haddr_t from, size_t size, void* to) {
   DriverSource& source = *file_of(file)->source;
   try {
-    source.file->read(from, {static_cast<std::byte*>(to), size});
+    const std::span out(static_cast<std::byte*>(to), size);
+    if (size < Blocks::block_bytes)
+      file_of(file)->blocks.read(*source.file, from, out);
+    else
+      source.file->read(from, out);
     return 0;
   } catch (...) {  // nothing may be thrown through the library
     if (!source.failure) source.failure = std::current_exception();
