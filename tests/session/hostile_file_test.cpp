@@ -354,10 +354,10 @@ std::vector<std::pair<const char*, std::function<long()>>> harmful_calls(const s
 
 TEST_F(TrialOfAFile, RefusesItsReaderEveryCallThatCouldDoHarm) {
   if (!calls_are_filtered()) GTEST_SKIP() << "this kernel or processor has no filter of system calls";
-  for (const auto& [name, call] : harmful_calls(path().string()))
-    EXPECT_NO_THROW(try_with([&] {
-      if (call() != -1 || errno != EPERM) throw Error(ExitCode::failed, "did harm", "", "");
-    })) << name;
+  for (const auto& harmful : harmful_calls(path().string()))
+    EXPECT_NO_THROW(try_with([&harmful] {
+      if (harmful.second() != -1 || errno != EPERM) throw Error(ExitCode::failed, "did harm", "", "");
+    })) << harmful.first;
   EXPECT_TRUE(std::filesystem::exists(path()));
 }
 
