@@ -124,9 +124,17 @@ class BinaryCameraScanner {
   bool is_whole(const Layout& layout, Bytes rest) const {
     if (rest.size() < layout.size()) return false;
     if (!stands_at(layout.end, rest.subspan(layout.size() - layout.end.size()))) return false;
+    if (layout.ahead > 0 && !is_between(rest.subspan(layout.begin.size()))) return false;
     const Bytes behind = rest.subspan(layout.size());
     if (behind.size() >= layout.begin.size()) return stands_at(layout.begin, behind);
     return ended_ && stands_at(layout.begin.substr(0, behind.size()), behind);
+  }
+
+  /// The three floats ahead are most, least and mean: else they stand behind the pixels, or are others.
+  static bool is_between(Bytes ahead) {
+    const float most = float_at(ahead), least = float_at(ahead.subspan(4)), mean = float_at(ahead.subspan(8));
+    const float first = float_at(ahead.subspan(12));
+    return least <= mean && mean <= most && least <= first && first <= most;
   }
 
   std::size_t take(const Layout& layout, Bytes frame, std::vector<CameraMessage>& out) {
@@ -178,7 +186,8 @@ std::optional<Evidence> recognise_binary_camera(Bytes bytes) {
                   .bytes = scanner.counters().bytes_in_messages,
                   .text = fmt::format("{} image(s) of 768 temperatures in bytes, without check sums{}",
                                       messages.size(), scanner.layout()->remark),
-                  .text_format = {}};
+                  .text_format = {},
+                  .advice = advice_on_unit(messages.front().frame)};
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <array>
 
 #include "protocol_table.h"
@@ -10,6 +11,14 @@ namespace thermorig::sensors {
 CameraProtocol gy_mcu90640_camera();
 CameraProtocol text_camera();
 CameraProtocol binary_camera();
+
+std::string advice_on_unit(const ThermalFrame& frame) {
+  const auto [low, high] = std::minmax_element(frame.temp_c.begin(), frame.temp_c.end());
+  if (*low >= 0.0F && *high <= 1.0F && *low < *high)
+    return "its values lie between 0 and 1: print degrees Celsius in the sketch";
+  if (*low > 200.0F) return "its values are those of Kelvin: print degrees Celsius in the sketch";
+  return "";
+}
 
 std::span<const CameraProtocol> camera_protocols() {
   static const std::array table{gy_mcu90640_camera(), text_camera(), binary_camera()};

@@ -124,8 +124,9 @@ std::optional<Evidence> image_text(Bytes bytes) {
         "turn on the temperatures in the camera's sketch (Adafruit: PRINT_TEMPERATURES), with "
         "two decimals");
   return evidence_of(
-      bytes, fmt::format("a picture as text, {} numbers a line: not the 768 of an MLX90640", columns),
-      "print all 768 temperatures in one line, or in 24 lines of 32 (protocols/text_camera.md)");
+      bytes, fmt::format("a picture as text, {} numbers a line, in a form that is not read", columns),
+      "print all 768 temperatures in one line, or in 24 lines of 32 with an empty line before each picture "
+      "(protocols/text_camera.md)");
 }
 
 /// How many frames stand in a row that begin with `mark`, `size` bytes apart, at best.

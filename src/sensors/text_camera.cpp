@@ -37,8 +37,8 @@ class Line {
     if (is_of_token) return;
     end_token();
     if (c == '[') value_of_word_.reset(), behind_word_ = false;  // "temperature":[ holds pixels
-    has_marks_ |= c == '=' || c == '#' || c == '*';
-    is_broken_ |= static_cast<unsigned char>(c) < ' ' && c != '\t' && c != '\r' && c != '\n';
+    if (c == ':') take_colon();
+    is_broken_ |= std::string_view(" \t\r\n,;[]{}()\"':=|>").find(c) == std::string_view::npos;  // "1.#QNAN"
   }
   void end() {
     end_token();
@@ -57,14 +57,21 @@ class Line {
   void end_token() {
     if (token_.empty()) return;
     const std::string token = std::exchange(token_, {});
-    if (token.find_first_not_of('-') == token.npos) {
-      has_marks_ = true;
-    } else if (const auto number = token.size() <= token_bytes_max ? read_number(token) : std::nullopt;
-               number && digits_of(token).size() + (token[0] == '+' ? 1U : 0U) == token.size()) {
+    if (token.find_first_not_of('-') == token.npos) return;  // a line of marks, an arrow
+    const auto number = token.size() <= token_bytes_max ? read_number(token) : std::nullopt;
+    const bool is_number = number && digits_of(token).size() + (token[0] == '+' ? 1U : 0U) == token.size();
+    if (is_number)
       take_number(*number, token.find('.') != token.npos);
-    } else {
+    else
       take_word(token);
-    }
+  }
+
+  /// Of "Frame 3:" and "12:34:51.123 ->" no number is a pixel.
+  void take_colon() {
+    if (value_of_word_) return take_value_of_word();
+    if (!behind_number_) return;
+    if (is_pushed_) --numbers_;
+    drops_next_ = true;
   }
 
   /// What Arduino prints for a number that is none stands in a pixel's place.
@@ -73,6 +80,7 @@ class Line {
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     if (token == "ovf" || token == "null" || token == "none") return take_number(std::nan(""), true);
     take_value_of_word();
+    behind_number_ = false;
     is_ambient_ =
         token == "at" || token == "ta" || token == "ambient" || (is_ambient_ && token == "temperature");
     behind_word_ = true;
@@ -80,6 +88,9 @@ class Line {
 
   /// "Ambient temperature = 27.4" is no pixel; "frame: 23.1, 23.2, ..." begins with one.
   void take_number(double number, bool is_decimal) {
+    behind_number_ = true;
+    is_pushed_ = false;
+    if (std::exchange(drops_next_, false)) return;
     if (std::exchange(behind_word_, false)) {
       value_of_word_ = number;
       value_is_decimal_ = is_decimal;
@@ -94,6 +105,7 @@ class Line {
     has_decimals_ |= is_decimal;
     if (numbers_ < values_.size()) values_[numbers_] = temp_c;
     ++numbers_;
+    is_pushed_ = true;
   }
   void take_value_of_word() {
     if (const auto value = std::exchange(value_of_word_, std::nullopt); value && is_ambient_)
@@ -106,7 +118,7 @@ class Line {
   std::size_t numbers_ = 0;
   bool has_decimals_ = false;
   bool is_broken_ = false;  // a value that is no temperature
-  bool has_marks_ = false;
+  bool behind_number_ = false, is_pushed_ = false, drops_next_ = false;
   bool behind_word_ = false, is_ambient_ = false, value_is_decimal_ = false;
   std::optional<double> value_of_word_;
   float sensor_temp_c_ = unknown_c;
@@ -133,6 +145,7 @@ class TextCameraScanner {
   /// A last line without an end is not read: it may be cut inside a number.
   void finish(std::vector<CameraMessage>& out) {
     if (std::exchange(behind_return_, false)) end_line(out);
+    if (std::exchange(is_held_, false)) complete(out);
   }
   void restart() {
     wire::ByteLedger ledger = ledger_;
@@ -147,6 +160,7 @@ class TextCameraScanner {
     line_.end();
     const Line line = std::exchange(line_, Line());
     if (std::exchange(is_overlong_, false)) return lose(line);
+    if (std::exchange(is_held_, false)) line.numbers() == 0 ? complete(out) : drop_frame_without_mark();
     if (!std::isnan(line.sensor_temp_c())) sensor_temp_c_ = line.sensor_temp_c();
     if (line.numbers() == frame_pixels) {
       drop_frame();
@@ -165,7 +179,16 @@ class TextCameraScanner {
     } else {
       lose(line);
     }
-    if (pixels_ == frame_pixels) complete(out);
+    if (pixels_ < frame_pixels) return;
+    is_held_ = line.numbers() == frame_columns;
+    if (!is_held_) complete(out);
+  }
+
+  /// Rows tell a frame only between two marks: after one that is lost, or came twice, all others stand one
+  /// row off.
+  void drop_frame_without_mark() {
+    drop_frame();
+    is_synced_ = false;
   }
 
   /// "frame,row,column,temperature" of that pixel.
@@ -243,6 +266,7 @@ class TextCameraScanner {
   wire::ByteLedger ledger_;
   FreshnessDetector<float> freshness_;
   Line line_;
+  bool is_held_ = false;      // the rows are there: the next line tells whether they are a frame
   bool is_overlong_ = false;  // the line that is being read
   bool behind_return_ = false;
   bool is_synced_ = false;  // the next line may begin a frame, or goes on with one
@@ -266,7 +290,8 @@ std::optional<Evidence> recognise_text_camera(std::span<const std::uint8_t> byte
   return Evidence{.messages = messages.size(),
                   .bytes = scanner.counters().bytes_in_messages,
                   .text = fmt::format("{} image(s) of 768 temperatures as text", messages.size()),
-                  .text_format = {}};
+                  .text_format = {},
+                  .advice = advice_on_unit(messages.front().frame)};
 }
 
 }  // namespace

@@ -71,6 +71,7 @@ bool is_constant(const TextTable& table, std::size_t column) {
 bool runs_like_a_clock(const TextTable& table, std::size_t column, bool is_named) {
   const std::vector<double> steps = steps_of(table, column);
   if (steps.empty() || steps.front() <= 0) return false;
+  if (!is_named && steps.front() == 1.0 && steps.back() == 1.0) return false;  // a count of lines
   if (is_named && table.rows.size() >= rows_of_a_clock) return true;
   return steps.size() > 1 && steps[steps.size() * 9 / 10] <= 2 * steps[steps.size() / 10];
 }
@@ -93,13 +94,22 @@ std::optional<double> named_time_unit_s(const std::string& name) {
     words += std::isalpha(static_cast<unsigned char>(c)) ? static_cast<char>(std::tolower(c)) : ' ';
   words += ' ';
   const auto has = [&](const char* word) { return words.find(fmt::format(" {} ", word)) != words.npos; };
-  if (has("us") || has("micros")) return 1e-6;
-  if (has("ms") || has("millis")) return 1e-3;
+  if (has("ns") || has("nanoseconds")) return 1e-9;
+  if (has("us") || has("micros") || has("microseconds")) return 1e-6;
+  if (has("ms") || has("millis") || has("milliseconds")) return 1e-3;
   if (has("s") || has("sec") || has("seconds")) return 1.0;
   return std::nullopt;
 }
 
+/// "t (10us)", "time [h]": a clock in a unit that is not read.
+bool has_odd_unit(const std::string& name) {
+  const std::size_t bracket = name.find_last_of("([");
+  return bracket != name.npos && bracket + 1 < name.size() &&
+         (is_digit(name[bracket + 1]) || !named_time_unit_s(name.substr(bracket)));
+}
+
 std::string unit_text(double unit_s) {
+  if (unit_s == 1e-9) return "nanoseconds";
   if (unit_s == 1e-6) return "microseconds";
   return unit_s == 1e-3 ? "milliseconds" : "seconds";
 }
@@ -202,6 +212,9 @@ class Recogniser {
       return refuse("its minus signs are a character of their own (U+2212), not \"-\"",
                     "print or export plain text; of a file: sed 's/\xE2\x88\x92/-/g'");
     if (most_frequent() == nullptr) return std::nullopt;
+    if (page_.headers_differ)
+      return refuse("two headers name its columns differently",
+                    "give decode the part of the file below one of them");
     if (10 * page_.with_stray_signs > page_.rows)
       return refuse("a blank stands between a sign and its number", "print \"-0.17\", not \"- 0.17\"");
     if (2 * page_.with_decimal_commas > page_.rows)
@@ -369,9 +382,16 @@ class Recogniser {
 
   /// The lines without numbers, and single ones with some, speak of rates alone.
   bool is_headed_by_rates() {
-    for (const std::string& heading : page_.headings) above_.words(heading);
+    const bool has_names = std::any_of(numbers_.begin(), numbers_.end(), [&](std::size_t column) {
+      return table_->columns[column].meaning.quantity != Quantity::none;
+    });
+    if (has_names) return false;  // a header that names other things
+    const auto read = [&](const std::string& line) {
+      if (!holds_doubt(line)) above_.words(line);
+    };
+    for (const std::string& heading : page_.headings) read(heading);
     for (const TextTable& table : page_.tables)
-      if (&table != table_ && !is_enough(table)) above_.words(table.sample_line);
+      if (&table != table_ && !is_enough(table)) read(table.sample_line);
     constexpr std::array others{Quantity::acceleration, Quantity::magnetic, Quantity::angle,
                                 Quantity::quaternion};
     return above_.has_named(Quantity::rate) &&
@@ -422,7 +442,8 @@ class Recogniser {
       return std::find_if(numbers_.begin(), numbers_.end(), [&](std::size_t column) {
         const Quantity quantity = table_->columns[column].meaning.quantity;
         return is_free(column) && quantity == (named ? Quantity::time : Quantity::none) &&
-               (named || column == numbers_.front()) && runs_like_a_clock(*table_, column, named);
+               (named ? !has_odd_unit(table_->columns[column].name) : column == numbers_.front()) &&
+               runs_like_a_clock(*table_, column, named);
       });
     };
     auto time = clock(true);

@@ -81,7 +81,14 @@ std::vector<TextColumn> columns_of(const Parts& parts, std::string_view& behind_
     const std::string_view digits = digits_of(field->value);
     column.is_number = !digits.empty();
     if (digits.empty()) continue;
-    reader.words(words_until(digits.data()));
+    const std::string_view gap = words_until(digits.data());
+    if (!numbers.empty() && reader.meanings().back().quantity == Quantity::time) {
+      const std::string_view unit = trimmed(gap, " \t", "");
+      const std::size_t length = unit_length(unit);  // "time=20 us"
+      if (length > 0 && gap.size() > unit.size())
+        columns[numbers.back()].name += " " + std::string(unit.substr(0, length));
+    }
+    reader.words(gap);
     reader.number();
     numbers.push_back(columns.size() - 1);
     column.name = bare_name(words_until(digits.data()));
@@ -178,14 +185,15 @@ std::vector<std::optional<std::size_t>> columns_in(const std::vector<std::string
 void share_unit(TextTable& table) {
   const TextColumn* with_unit = nullptr;
   for (const TextColumn& column : table.columns) {
-    if (column.meaning.quantity != Quantity::rate || column.meaning.unit.empty()) continue;
+    if (column.meaning.quantity != Quantity::rate || !column.meaning.is_named || column.meaning.unit.empty())
+      continue;
     if (with_unit != nullptr && with_unit->meaning.scale_dps != column.meaning.scale_dps) return;
     with_unit = &column;
   }
   if (with_unit == nullptr) return;
   const auto [scale_dps, unit] = std::pair(with_unit->meaning.scale_dps, with_unit->meaning.unit);
   for (TextColumn& column : table.columns)
-    if (column.meaning.quantity == Quantity::rate && column.meaning.unit.empty()) {
+    if (column.meaning.quantity == Quantity::rate && column.meaning.is_named && column.meaning.unit.empty()) {
       column.meaning.scale_dps = scale_dps;
       column.meaning.unit = unit;
     }
@@ -195,7 +203,7 @@ void share_unit(TextTable& table) {
 /// units may stand below it.
 bool take_names(const std::string& text, const std::string* units_below, TextTable& table) {
   const Header header = parts_of_header(text);
-  const std::string shared_unit = rate_unit_in(header.units);
+  std::string shared_unit = rate_unit_in(header.units);
   for (const char separator : {'\t', ',', ';', ' '}) {
     const std::vector<std::string_view> names = cells_of(header.names, separator);
     const std::vector<std::string_view> cells = cells_of(table.sample_line, separator);
@@ -204,6 +212,11 @@ bool take_names(const std::string& text, const std::string* units_below, TextTab
     if (units_below != nullptr) units = cells_of(*units_below, separator);
     if (!is_row_of_units(units)) units.clear();
     units.resize(names.size());
+    if (const auto listed = cells_of(header.units, ',');
+        listed.size() == names.size()) {  // "[dps,dps,dps,g]"
+      units = listed;
+      shared_unit.clear();
+    }
     const auto holds = columns_in(cells, table);
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (!holds[i]) continue;
@@ -221,6 +234,18 @@ bool take_names(const std::string& text, const std::string* units_below, TextTab
     }
     share_unit(table);
     return true;
+  }
+  return false;
+}
+
+/// Of the same columns.
+bool names_other_rates(const TextTable& a, const TextTable& b) {
+  for (std::size_t i = 0; i < a.columns.size(); ++i) {
+    const Meaning &one = a.columns[i].meaning, &other = b.columns[i].meaning;
+    const bool is_rate = one.quantity == Quantity::rate || other.quantity == Quantity::rate;
+    if (is_rate &&
+        (one.quantity != other.quantity || one.axis != other.axis || one.scale_dps != other.scale_dps))
+      return true;
   }
   return false;
 }
@@ -275,8 +300,13 @@ class PageReader {
     for (TextTable& table : page_.tables) {
       if (has_words(table)) continue;
       const std::string* below = nullptr;
+      bool has_names = false;
       for (auto header = page_.headings.rbegin(); header != page_.headings.rend(); ++header) {
-        if (take_names(*header, below, table)) break;
+        TextTable other = table;
+        if (take_names(*header, below, has_names ? other : table)) {
+          page_.headers_differ |= has_names && names_other_rates(other, table);
+          has_names = true;
+        }
         below = &*header;
       }
     }

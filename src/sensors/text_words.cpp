@@ -24,6 +24,10 @@ constexpr std::array known_words{
     KnownWord{"omega", Quantity::rate},
     KnownWord{"angvel", Quantity::rate},
     KnownWord{"yawrate", Quantity::rate},
+    KnownWord{"gierrate", Quantity::rate},
+    KnownWord{"nickrate", Quantity::rate},
+    KnownWord{"drehrate", Quantity::rate},
+    KnownWord{"drehraten", Quantity::rate},
     KnownWord{"pitchrate", Quantity::rate},
     KnownWord{"rollrate", Quantity::rate},
     KnownWord{"acc", Quantity::acceleration},
@@ -73,19 +77,35 @@ constexpr std::array known_words{
 };
 
 // What stands at such a word is not what the gyro measures now: a setting, a wish, a statistic.
-constexpr std::array<std::string_view, 47> modifiers{
-    "max",     "min",     "maximum",   "minimum",     "limit",      "fs",         "fsr",        "fullscale",
-    "range",   "scale",   "sens",      "sensitivity", "resolution", "target",     "setpoint",   "desired",
-    "demand",  "command", "commanded", "cmd",         "ref",        "reference",  "goal",       "expected",
-    "nominal", "error",   "errors",    "err",         "noise",      "bias",       "biases",     "offset",
-    "offsets", "drift",   "std",       "stddev",      "sigma",      "rms",        "variance",   "threshold",
-    "peak",    "sum",     "total",     "integral",    "delta",      "correction", "uncertainty"};
+constexpr auto modifiers = std::to_array<std::string_view>(
+    {"servo",   "servos",  "motor",     "motors",      "wheel",      "wheels",     "stepper",    "rotor",
+     "gimbal",  "pid",     "rc",        "controller",  "encoder",    "turntable",  "joint",      "pwm",
+     "pulse",   "des",     "sp",        "soll",        "sollwert",   "consigne",   "odr",        "lpf",
+     "dlpf",    "mean",    "median",    "avg",         "average",
+
+     "max",     "min",     "maximum",   "minimum",     "limit",      "fs",         "fsr",        "fullscale",
+     "range",   "scale",   "sens",      "sensitivity", "resolution", "target",     "setpoint",   "desired",
+     "demand",  "command", "commanded", "cmd",         "ref",        "reference",  "goal",       "expected",
+     "nominal", "error",   "errors",    "err",         "noise",      "bias",       "biases",     "offset",
+     "offsets", "drift",   "std",       "stddev",      "sigma",      "rms",        "variance",   "threshold",
+     "peak",    "sum",     "total",     "integral",    "delta",      "correction", "uncertainty"});
+
+// Beside a unit they say that the numbers are no whole ones of it.
+constexpr auto factor_words = std::to_array<std::string_view>(
+    {"tenth", "tenths", "hundredth", "hundredths", "thousandth", "thousandths", "half", "halves", "raw"});
+
+// A line above the numbers with such a word does not say what they are.
+constexpr auto doubt_words = std::to_array<std::string_view>(
+    {"off",     "disabled",   "no",      "not",      "without", "divide", "divided", "multiply",
+     "convert", "conversion", "press",   "rotate",   "raw",     "lsb",    "needs",   "need",
+     "failed",  "fail",       "missing", "constant", "switch",  "error"});
 
 // They name nothing.
-constexpr std::array<std::string_view, 24> fillers{
-    "hz",   "in",    "of",     "the",    "is",         "are",      "and",      "at",
-    "data", "value", "values", "val",    "raw",        "reading",  "readings", "axis",
-    "axes", "unit",  "units",  "scaled", "calibrated", "filtered", "per",      "as"};
+constexpr auto fillers = std::to_array<std::string_view>(
+    {"hz",     "in",         "of",       "the",     "is",       "are",      "and",        "at",    "data",
+     "value",  "values",     "val",      "reading", "readings", "axis",     "axes",       "unit",  "units",
+     "scaled", "calibrated", "filtered", "per",     "as",       "velocity", "velocities", "vel",   "speed",
+     "rate",   "rates",      "sensor",   "filt",    "cal",      "measured", "form",       "output"});
 
 // Letters that are a name only with an axis right behind them.
 constexpr std::array stems{
@@ -280,6 +300,12 @@ std::optional<std::size_t> axis_behind(std::string_view text, std::size_t end) {
   return word_end(text, at) == at + 1 ? axis_of(text[at]) : std::nullopt;
 }
 
+/// "gyro500dps": digits that a unit follows are no number of the name.
+bool unit_follows_digits(std::string_view text, std::size_t at) {
+  const std::size_t behind = text.find_first_not_of("0123456789.", at);
+  return behind != text.npos && rate_unit(text.substr(behind)).length > 0;
+}
+
 /// Where the unit is one of rates.
 bool may_be_rate(Quantity quantity) {
   return quantity == Quantity::none || quantity == Quantity::angle || quantity == Quantity::other;
@@ -288,15 +314,26 @@ bool may_be_rate(Quantity quantity) {
 }  // namespace
 
 std::string_view name_of(Quantity quantity) {
-  constexpr std::array<std::string_view, 9> names{
-      "numbers without a name", "time",   "rates",       "accelerations", "a magnetic field",
-      "a temperature",          "angles", "quaternions", "other values"};
+  constexpr auto names = std::to_array<std::string_view>(
+      {"numbers without a name", "time", "rates", "accelerations", "a magnetic field", "a temperature",
+       "angles", "quaternions", "other values"});
   return names[static_cast<std::size_t>(quantity)];
 }
 
 std::size_t unit_length(std::string_view text) {
   const Unit rate = rate_unit(text);
   return rate.length > 0 ? rate.length : other_unit_length(text);
+}
+
+bool holds_doubt(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = is_letter(text[at]) ? word_end(text, at) : at + 1;
+    if (std::find(doubt_words.begin(), doubt_words.end(), lower(text.substr(at, end - at))) !=
+        doubt_words.end())
+      return true;
+    at = end;
+  }
+  return false;
 }
 
 double scale_of_unit(std::string_view text) {
@@ -313,6 +350,9 @@ void WordReader::words(std::string_view text) {
     if (!is_letter(c) && !is_sign) {
       if (is_blank(c) || c == ',' || c == ';') gap_.is_joined = false;
       if (c == '{' || c == '[' || c == '(') ++brackets_;
+      if (c == '[' && gap_.is_named && at + 2 < text.size() && text[at + 1] >= '0' && text[at + 1] <= '2' &&
+          text[at + 2] == ']')
+        gap_.axes.push_back(static_cast<std::size_t>(text[at + 1] - '0'));  // "gyro[2]"
       if ((c == '}' || c == ']' || c == ')') && brackets_ > 0) {
         --brackets_;
         gap_.closes = true;
@@ -327,7 +367,12 @@ void WordReader::words(std::string_view text) {
     }
     const std::size_t end = is_sign ? at + 1 : word_end(text, at);
     const bool in_number = at > 0 && is_digit(text[at - 1]);  // "0x50"
-    if (!is_sign && !in_number) word({text, at, end});
+    if (!is_sign && !in_number) {
+      const bool was_unknown = std::exchange(gap_.is_unknown, false);
+      word({text, at, end});
+      gap_.is_last_unknown = gap_.is_unknown;
+      gap_.is_unknown |= was_unknown;
+    }
     if (gap_.is_named && is_multiplied(text.substr(end))) unit(0.0, "a multiple");
     gap_.is_first_word = false;
     at = end;
@@ -359,8 +404,12 @@ void WordReader::word(const Word& at) {
   const std::string word = lower(text.substr(begin, end - begin));
   const bool has_digit = end < text.size() && is_digit(text[end]);
   const bool was_angle = gap_.is_named && gap_.quantity == Quantity::angle;
-  if (was_angle && (word == "rate" || word == "vel" || word == "velocity" || word == "speed"))
+  if (was_angle &&
+      (word == "rate" || word == "rates" || word == "vel" || word == "velocity" || word == "speed"))
     return name(Quantity::rate, std::nullopt);  // "yaw rate", "AngVelX"
+  gap_.has_factor |= std::find(factor_words.begin(), factor_words.end(), word) != factor_words.end();
+  if (gap_.has_factor && std::find(factor_words.begin(), factor_words.end(), word) != factor_words.end())
+    return;
   if (std::find(fillers.begin(), fillers.end(), word) != fillers.end()) return;
   if (word == "vector" && gap_.is_named && gap_.quantity == Quantity::rate)
     return name(Quantity::quaternion, std::nullopt);  // "rotation vector"
@@ -385,8 +434,14 @@ void WordReader::word(const Word& at) {
       gap_.roll_is_rate = true;
     }
     gap_.is_joined = true;
-    if (word == "yaw" || word == "yawrate") return name(*known, 2);
-    if (word == "pitch" || word == "pitchrate") return name(*known, 1);
+    const bool is_numbered =
+        has_digit || (end + 1 < text.size() && text[end] == '_' && is_digit(text[end + 1]));
+    gap_.is_modified |=
+        *known == Quantity::rate && is_numbered && !unit_follows_digits(text, end);  // "gyro2"
+    if (word == "ypr" || word == "rpy")
+      gap_.axes = word == "ypr" ? std::vector<std::size_t>{2, 1, 0} : std::vector<std::size_t>{0, 1, 2};
+    if (word == "yaw" || word == "yawrate" || word == "gierrate") return name(*known, 2);
+    if (word == "pitch" || word == "pitchrate" || word == "nickrate") return name(*known, 1);
     if (word == "roll" || word == "rollrate") return name(*known, 0);
     return name(*known, std::nullopt);
   }
@@ -429,6 +484,9 @@ void WordReader::begin_group(Quantity quantity) {
 void WordReader::end_group() {
   if (quantity_ == Quantity::rate && !axes_named_ && meanings_.size() > group_ + 3)
     for (std::size_t i = group_; i < meanings_.size(); ++i) meanings_[i].axis.reset();
+  if (axes_named_)  // "omega_left=1 omega_right=2 gz=3"
+    for (std::size_t i = group_; i < meanings_.size(); ++i)
+      if (!meanings_[i].axis_named) meanings_[i].axis.reset();
   if (quantity_ != Quantity::other || is_named_ || is_modified_ || axes_named_) return;
   if (meanings_.size() < group_ + 2) return;
   for (std::size_t i = group_; i < meanings_.size(); ++i)
@@ -443,6 +501,8 @@ bool WordReader::is_of_something_else() const {
 /// A unit right behind numbers is theirs; one behind a name is that of the numbers to come. 0: words that
 /// stand where a unit does, but do not say how large it is.
 void WordReader::unit(double scale_dps, std::string_view text) {
+  const bool is_of_another = gap_.is_named && gap_.is_last_unknown;  // "gx gy gz motor[rpm]"
+  if (gap_.has_factor || is_of_another) scale_dps = 0.0;
   if (scale_dps > 0.0 && !is_of_something_else()) {
     named_[static_cast<std::size_t>(Quantity::rate)] = true;
     is_contradicted_ |= said_scale_dps_ > 0.0 && said_scale_dps_ != scale_dps;
@@ -457,7 +517,8 @@ void WordReader::unit(double scale_dps, std::string_view text) {
 
 void WordReader::unit_behind(double scale_dps, std::string_view text) {
   const bool says_rate = scale_dps > 0.0 && !is_modified_;
-  const bool is_of_last_alone = was_opened_ && !gap_.closes;  // "gz: 3 (500 dps)"
+  const bool is_of_last_alone = (was_opened_ && !gap_.closes) ||          // "gz: 3 (500 dps)"
+                                (axes_named_ && !meanings_.back().axis);  // "gx gy gz servo: 1 2 3 4 dps"
   gap_.has_unit_behind = true;
   const bool is_list = meanings_.size() == group_ + 3 || axes_named_ || is_named_;
   for (std::size_t i = is_of_last_alone ? meanings_.size() - 1 : group_; i < meanings_.size();
@@ -465,18 +526,38 @@ void WordReader::unit_behind(double scale_dps, std::string_view text) {
     Meaning& meaning = meanings_[i];
     const bool becomes_rate =
         says_rate && may_be_rate(meaning.quantity) && (is_list || meanings_.size() == group_ + 1);
-    if (!meaning.unit.empty() || (meaning.quantity != Quantity::rate && !becomes_rate)) continue;
+    if (!meaning.unit.empty()) continue;
+    if (meaning.quantity != Quantity::rate && !becomes_rate) {
+      if (i + 1 == meanings_.size()) meaning.unit = text;  // "90 deg" among others
+      continue;
+    }
     meaning.quantity = Quantity::rate;
     meaning.scale_dps = scale_dps;
     meaning.unit = text;
   }
 }
 
+/// "target gx=1 gy=2 gz=3": names of the same kind and other axes go on with what was named before.
+bool WordReader::goes_on_modified() const {
+  if (!is_modified_ || !gap_.is_named || gap_.is_unknown || gap_.quantity != modified_ ||
+      gap_.axes.size() != 1)
+    return false;
+  return std::find(modified_axes_.begin(), modified_axes_.end(), gap_.axes.front()) == modified_axes_.end();
+}
+
 void WordReader::number() {
-  const bool is_of_other = is_of_something_else();
+  const bool is_of_other = is_of_something_else() || goes_on_modified();
+  if (meanings_.empty()) begins_with_number_ = !gap_.is_named && !gap_.is_unknown && gap_.axes.empty();
   if (is_of_other || (!gap_.is_named && gap_.is_unknown)) {
     begin_group(Quantity::other);
     is_modified_ = is_of_other;
+    if (is_of_other) modified_ = gap_.is_named ? gap_.quantity : Quantity::none;
+    if (is_of_other && !gap_.axes.empty()) modified_axes_.push_back(gap_.axes.front());
+  } else if (gap_.is_named && is_modified_) {
+    modified_axes_.clear();
+    begin_group(gap_.quantity);
+    is_named_ = true;
+    roll_is_rate_ = gap_.roll_is_rate;
   } else if (gap_.has_unit_behind && is_tail() && !axes_named_ && meanings_.size() >= group_ + 3) {
     begin_group(Quantity::none);  // the list ended with its unit
   } else if (gap_.is_named) {
@@ -521,6 +602,8 @@ void WordReader::drop_factor() {
 
 void WordReader::end() {
   end_group();
+  if (begins_with_number_ && gap_.is_named)  // "1 2 3 gyro | 4 5 6 acc": the names stand behind
+    for (Meaning& meaning : meanings_) meaning = {.quantity = Quantity::none, .axis = {}, .unit = {}};
   if (gap_.unit.empty() || !gap_.is_named || gap_.quantity != Quantity::rate) return;
   for (Meaning& meaning : meanings_)  // {"gyro":[1,2,3],"units":{"gyro":"rad/s"}}
     if (meaning.quantity == Quantity::rate && meaning.is_named && meaning.unit.empty()) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace thermorig::sensors {
@@ -73,6 +74,8 @@ class WordReader {
     bool is_named = false;               // a known word
     Quantity quantity = Quantity::none;  // then: which
     bool is_unknown = false;             // another word, which may name something else
+    bool is_last_unknown = false;        // the word that stands nearest
+    bool has_factor = false;             // "tenths of", "raw"
     bool is_modified = false;            // "max", "target": not what is measured
     bool is_first_word = true;           //
     bool is_joined = false;              // the word before belongs to the same name: "accAngleX"
@@ -98,6 +101,7 @@ class WordReader {
   void begin_group(Quantity quantity);
   void drop_factor();
   void end_group();
+  bool goes_on_modified() const;
   bool is_tail() const {
     return !meanings_.empty() && !gap_.is_named && !gap_.is_unknown && gap_.axes.empty();
   }
@@ -110,12 +114,15 @@ class WordReader {
   Quantity quantity_ = Quantity::none;      // of the group
   std::size_t group_ = 0;                   // its first number
   bool is_named_ = false;                   // by a known word
-  bool is_modified_ = false;                //
-  bool axes_named_ = false;                 //
-  bool roll_is_rate_ = false;               // "gyro roll=1 pitch=2 yaw=3"
-  double scale_dps_ = 0.0;                  // of numbers to come
-  std::string unit_;                        //
-  std::vector<std::size_t> axes_;           // of numbers to come: "gyro (z,y,x): 1 2 3"
+  bool is_modified_ = false;
+  Quantity modified_ = Quantity::none;  // what a modified name is of: "target gx=1 gy=2 gz=3"
+  std::vector<std::size_t> modified_axes_;
+  bool begins_with_number_ = false;  //
+  bool axes_named_ = false;          //
+  bool roll_is_rate_ = false;        // "gyro roll=1 pitch=2 yaw=3"
+  double scale_dps_ = 0.0;           // of numbers to come
+  std::string unit_;                 //
+  std::vector<std::size_t> axes_;    // of numbers to come: "gyro (z,y,x): 1 2 3"
   std::array<bool, 9> named_{};
   bool was_opened_ = false;  // the last number, by a bracket
   double said_scale_dps_ = 0.0;
@@ -126,6 +133,9 @@ class WordReader {
 /// The length of a unit that `text` begins with and that ends there as a word: "rad/s", "dps", "m/s^2", "C",
 /// "ms", a degree sign in any encoding; 0: none.
 std::size_t unit_length(std::string_view text);
+
+/// Words such as "off", "not", "divide": a line with one does not say what the numbers below it are.
+bool holds_doubt(std::string_view text);
 
 /// deg/s of one of the unit of a rate that `text` begins with; 0: none.
 double scale_of_unit(std::string_view text);

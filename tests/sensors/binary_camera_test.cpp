@@ -50,7 +50,11 @@ const std::vector<Layout> layouts{
     {"AA AA and floats", [](std::size_t i) { return "\xAA\xAA" + floats(i); }},
     {"FF FF FF FF and floats", [](std::size_t i) { return "\xFF\xFF\xFF\xFF" + floats(i); }},
     {"BEGIN, three floats, pixels, END",
-     [](std::size_t i) { return "BEGIN" + floats(0).substr(0, 12) + floats(i) + "END"; }},
+     [](std::size_t i) {
+       std::string ahead;
+       for (const float value : {29.7F, 19.9F, 24.0F}) put(ahead, std::bit_cast<std::uint32_t>(value), 4);
+       return "BEGIN" + ahead + floats(i) + "END";
+     }},
     {"CA 01 and tenths", [](std::size_t i) { return "\xCA\x01" + words(i, 10.0); }},
     {"00 80, type, length, hundredths",
      [](std::size_t i) { return std::string("\x00\x80\x01\x00\x00\x06", 6) + words(i, 100.0); }},

@@ -137,7 +137,8 @@ TEST(TextCamera, IsReadFromItsFirstBreakWhereverTheStreamWasJoined) {
 TEST(TextCamera, LosesAFrameWithAMissingOrABrokenNumberAndMovesNone) {
   for (const Layout& layout : layouts) {
     SCOPED_TRACE(layout.name);
-    for (const char* in_place : {"", "nan", "ovf", "Failed\r\n", "inf", "2 3.1", "9999.9"}) {
+    for (const char* in_place :
+         {"", "nan", "ovf", "Failed\r\n", "inf", "2 3.1", "9999.9", "1.#QNAN", "$20"}) {
       std::string text = layout.above + layout.frame(0);
       std::string damaged = layout.frame(1);
       const std::size_t at = damaged.find("2", damaged.size() / 2);
@@ -173,6 +174,44 @@ TEST(TextCamera, IsRecognisedAndPicturesWithoutTemperaturesAreNot) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_FALSE(found[0].is_usable());
   EXPECT_THAT(found[0].evidence.text, HasSubstr("without temperatures"));
+}
+
+TEST(TextCamera, TakesRowsForAFrameBetweenMarksAlone) {
+  std::string text = "begin\n";
+  for (int frame = 0; frame < 6; ++frame) {
+    std::string rows = pixels(frame, 32, ",", "", "\n");
+    if (frame == 1) rows.erase(0, rows.find('\n') + 1);  // a row is lost, and no mark would tell
+    text += rows;
+  }
+  const auto scan = scan_any_chunking<wire::CameraMessage>(scanner(), bytes_of(text), Stream::ends);
+  EXPECT_EQ(scan.messages.size(), 0U);
+}
+
+TEST(TextCamera, ReadsNoNumberOfAClockOrOfAFrameAsAPixel) {
+  for (const char* front : {"12:34:51.123 -> ", "Frame 3: ", "t=12 "}) {
+    std::string text;
+    for (int frame = 0; frame < 3; ++frame) text += front + pixels(frame, 768, ",", "", "\n");
+    const auto scan = scan_any_chunking<wire::CameraMessage>(scanner(), bytes_of(text), Stream::ends);
+    if (front[0] == 't') {
+      EXPECT_EQ(scan.messages.size(), 0U);  // nothing says that 12 is none
+      continue;
+    }
+    ASSERT_EQ(scan.messages.size(), 3U) << front;
+    EXPECT_NEAR(scan.messages[1].frame.temp_c[5], temperature(1, 5), 0.006);
+  }
+}
+
+TEST(TextCamera, NamesValuesThatAreNoDegreesCelsius) {
+  for (const double offset_c : {273.15, -19.99}) {
+    std::string text;
+    for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel)
+      text += fmt::format("{:.2f},", offset_c > 0 ? temperature(0, pixel) + offset_c
+                                                  : 0.01 * static_cast<double>(pixel % 97));
+    const auto found = sensors::recognise(bytes_of(text + "\n" + text + "\n"), 2.0);
+    ASSERT_FALSE(found.empty());
+    EXPECT_FALSE(found[0].is_usable());
+    EXPECT_THAT(found[0].evidence.advice, HasSubstr("Celsius"));
+  }
 }
 
 TEST(TextCamera, PassesOverALineThatNeverEnds) {

@@ -496,6 +496,37 @@ const std::vector<Layout> layouts{
      [](const Values& v) {
        return fmt::format("gyro(deg/s) roll={:.2f} pitch={:.2f} yaw={:.2f}", v.g(0), v.g(1), v.g(2));
      }},
+    {"another column's unit in a header",
+     [](const Values& v) {
+       return fmt::format("{},{:.4f},{:.4f},{:.4f},100.0", v.ms, v.g(0), v.g(1), v.g(2));
+     },
+     rad_s, "ms,gx,gy,gz,servo [deg/s]\r\n", false, true},
+    {"a list of units, one a column",
+     [](const Values& v) { return fmt::format("{:.4f},{:.4f},{:.4f},100.0", v.g(0), v.g(1), v.g(2)); }, rad_s,
+     "gx,gy,gz,servo [rad/s,rad/s,rad/s,deg/s]\r\n"},
+    {"tenths in words",
+     [](const Values& v) {
+       return fmt::format("gyro in tenths of deg/s: {:.0f} {:.0f} {:.0f}", v.g(0), v.g(1), v.g(2));
+     },
+     0.1, "", false, true},
+    {"yaw first",
+     [](const Values& v) {
+       return fmt::format("YPR rates (deg/s): {:.2f}, {:.2f}, {:.2f}", v.g(2), v.g(1), v.g(0));
+     }},
+    {"indexes for axes",
+     [](const Values& v) {
+       return fmt::format("gyro[2]={:.2f} gyro[1]={:.2f} gyro[0]={:.2f} dps", v.g(2), v.g(1), v.g(0));
+     }},
+    {"a set point beside what is measured",
+     [](const Values& v) {
+       return fmt::format("gx_des:50 gy_des:50 gz_des:50 gx:{:.2f} gy:{:.2f} gz:{:.2f} dps", v.g(0), v.g(1),
+                          v.g(2));
+     }},
+    {"a clock in nanoseconds",
+     [](const Values& v) {
+       return fmt::format("{}000000,{:.2f},{:.2f},{:.2f}", 1600000000000LL + v.ms, v.g(0), v.g(1), v.g(2));
+     },
+     1.0, "timestamp_ns,gx_dps,gy_dps,gz_dps\r\n"},
     {"a range in brackets behind the counts",
      [](const Values& v) {
        return fmt::format("GyX:{:.0f} GyY:{:.0f} GyZ:{:.0f} (500 dps full scale)", v.g(0), v.g(1), v.g(2));
@@ -666,6 +697,35 @@ TEST(TextLayouts, ReadNoNumberWithoutItsSign) {
       scan_any_chunking<wire::GyroMessage>(text_scanner({}, sensors::StreamStart::at_line_start),
                                            ByteVector(text.begin(), text.end()), Stream::ends);
   for (const auto& message : scan.messages) EXPECT_NE(message.reading.rate_dps[2], 3.0F);
+}
+
+TEST(TextLayouts, WhoseNamesAreOfOtherThingsAreAskedFor) {
+  for (const char* const lines :
+       {"ms,servo_deg,gyro_dps\n{0}0,90.{1},0.3{1}\n", "gyro_dps,servo_dps,temp\n0.3{1},20.{1},25.0\n",
+        "Gyro dps off\n0.0{1},0.02,0.3{1}\n", "raw gyro data, divide by 131 to get deg/s\n10{1},200,30{1}\n",
+        "wheel_left_omega: 100.{1} wheel_right_omega: 102.0 motor_omega: 1.{1} rad/s\n",
+        "100.{1} deg/s, 90.00 deg, 50 deg/s\n", "gyro1:0.{1},gyro2:0.2,gyro3:0.3 deg/s\n",
+        "0.{1} 0.2 0.3 gyro dps | 0.03 -0.2 0.94 acc g\n",
+        "{{\"servo\":{{\"rate\":{{\"x\":0,\"y\":1,\"z\":100.{1}}},\"unit\":\"deg/s\"}}}}\n"}) {
+    const std::string all(lines);
+    const std::size_t end = all.find('\n') + 1;
+    const std::string above = end < all.size() ? all.substr(0, end) : "",
+                      line = above.empty() ? all : all.substr(end);
+    std::string text = above;
+    for (int i = 10; i < 40; ++i) text += fmt::format(fmt::runtime(line), i, i % 10);
+    const auto format = guess(text);
+    if (format) {
+      EXPECT_FALSE(format->is_known()) << lines;
+    }
+  }
+}
+
+TEST(TextLayouts, WhoseHeadersDifferAreRefused) {
+  std::string text = "gx,gy,gz [dps]\n";
+  for (int i = 10; i < 30; ++i) text += fmt::format("5.{},1.2,3.{}\n", i, i);
+  text += "gx,gy,gz [rad/s]\n";
+  for (int i = 10; i < 30; ++i) text += fmt::format("0.0{},0.02,0.5{}\n", i, i);
+  EXPECT_THAT(guess(text)->refusal, HasSubstr("two headers"));
 }
 
 TEST(TextLayouts, TakeARampForNoClock) {

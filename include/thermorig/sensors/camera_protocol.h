@@ -25,6 +25,9 @@ using CameraScanner = Scanner<wire::CameraMessage>;
 /// number that does is no temperature.
 inline constexpr float coldest_pixel_c = -100.0F, hottest_pixel_c = 500.0F;
 
+/// What to try where a sketch's values cannot be degrees Celsius of a room: Kelvin, or shares of a range.
+std::string advice_on_unit(const ThermalFrame& frame);
+
 /// All that the program knows of one camera protocol. Others ask this, and never compare names.
 struct CameraProtocol {
   std::string_view name;   // in profiles and sessions
