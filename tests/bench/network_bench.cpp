@@ -91,8 +91,9 @@ class Step {
 
   BatchNetwork network_;
   BatchGradients gradients_;
-  AdamStep adam_{
+  static constexpr AdamStep step{
       .root_scale = 0.25e12F, .divisor_least = 1e-2F, .one_minus_beta1 = 0.1F, .one_minus_beta2 = 0.001F};
+  AdamSteps adam_{.others = step, .wide = step};
   std::array<std::vector<float>, max_batch> windows_;
   std::vector<const float*> frames_;
   std::vector<float> gyro_, label_;
