@@ -316,6 +316,7 @@ TEST_F(TrialOfAFile, IsNotBelievedGoodWhereItsEndIsUnknown) {
   std::signal(SIGCHLD, before);
 }
 
+/// With a sanitizer these threads read without a trial.
 TEST_F(TrialOfAFile, MayBeMadeByManyThreadsAtOnce) {
   write_session(path("whole.h5"), synthetic_session(12));
   EXPECT_EQ(in_a_program([&] {

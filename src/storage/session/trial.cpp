@@ -16,7 +16,9 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "thermorig/core/error.h"
@@ -143,6 +145,14 @@ std::string end_of(int status) {
   return fmt::format("was ended by SIG{}", name == nullptr ? std::to_string(WTERMSIG(status)) : name);
 }
 
+/// The memory of a sanitizer, other than that of the C library, is of no use to the child of a program with
+/// several threads.
+bool can_fork() {
+  if (!is_sanitized) return true;
+  const std::filesystem::directory_iterator threads("/proc/self/task");
+  return std::distance(begin(threads), end(threads)) == 1;
+}
+
 [[noreturn]] void no_child_possible() {
   throw Error(ExitCode::failed, std::string("no process can be made to try files: ") + std::strerror(errno),
               "", "close other programs");
@@ -160,6 +170,7 @@ bool are_sessions_tried() {
 }
 
 Trial::Trial(const StoredFile& file, const std::function<void()>& read) : file_(file) {
+  if (!can_fork()) return;
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) no_child_possible();
   answer_ = files::Descriptor(ends[0]);
@@ -188,6 +199,7 @@ void Trial::end() {
 }
 
 void Trial::require_good() {
+  if (child_ < 0) return;
   std::string text(answer_bytes_max, '\0');
   ssize_t size = 0;
   do size = ::read(answer_.get(), text.data(), text.size());  // one write, or the end of the child
