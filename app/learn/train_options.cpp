@@ -98,8 +98,9 @@ void add_train(CLI::App& root, TrainOptions& options) {
       ->check(CLI::Range(20.0, 180.0))
       ->type_name("DEG");
   command
-      .add_option("--from", options.from,
-                  "Model to begin with, or none (default: the general model, where lens and frames fit)")
+      .add_option(
+          "--from", options.from,
+          "Model to begin with: a file, general, or none (default: general, where lens and frames fit)")
       ->type_name("FILE");
   add_network(command, options);
   add_settings(command, options);

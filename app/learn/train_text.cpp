@@ -107,6 +107,7 @@ std::string held_out_text(const training::EpochReport& report, const TrainingCon
 
 /// What this training has not done yet.
 std::string against_collapse(const TrainingConfig& config) {
+  if (config.window_scaling) return "; try: more acquisitions, or --made-rooms";
   if (config.loss.auxiliary_thermal <= 0) return "; try: --preset best, or --auxiliary-thermal 1";
   return fmt::format("; try: more acquisitions, or --auxiliary-thermal {:g}",
                      2.0 * config.loss.auxiliary_thermal);
@@ -149,7 +150,9 @@ WindowCounts count_windows(const TrainStart& start) {
 std::string start_text(const TrainStart& start) {
   std::string text = start.data.acquisitions.empty() ? "" : data_text(start) + simulated_text(start);
   text += made_rooms_text(start.config);
-  text += start.config.from ? fmt::format("begins with {}\n", printable(start.config.from->name)) : "";
+  text += start.config.from             ? fmt::format("begins with {}\n", printable(start.config.from->name))
+          : start.config.window_scaling ? "begins anew, with no model of such a camera and frames\n"
+                                        : "";
   text += network_text(start) + "\n" + settings_text(start.config, start.label) + "\n";
   text += start.memory.text() + "\n";
   text += fmt::format("run folder {}\n", printable(start.run_folder));
