@@ -16,7 +16,7 @@ captures=${THERMORIG_CAPTURES:-../shared/captures}
 # Text grows deep and long before it does harm; bytes of a device do not.
 longest_input() {
   case $1 in
-    header_json_* | plan_* | profile_* | result_* | run_* | text_gyro_* | web_*) echo 65536 ;;
+    header_json_* | plan_* | profile_* | result_* | run_* | text_camera_* | text_gyro_* | web_*) echo 65536 ;;
     *) echo 8192 ;;
   esac
 }

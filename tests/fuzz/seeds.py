@@ -68,7 +68,7 @@ TEXTS = {
     "journal": [],
     "session": [],
 }
-DEVICES = {"camera": "gy_mcu90640", "witmotion": "witmotion", "text_gyro": "text_gyro", "mavlink": "mavlink_gyro", "servo": "servo_link"}
+DEVICES = {"camera": "gy_mcu90640", "witmotion": "witmotion", "text_gyro": "text_gyro", "text_camera": "text_camera", "binary_camera": "binary_camera", "mavlink": "mavlink_gyro", "servo": "servo_link"}
 
 
 def keep(name, content):
