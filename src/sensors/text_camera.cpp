@@ -127,9 +127,9 @@ class Line {
 /// Reads frames of 768 temperatures as text: in one line, in 24 lines of 32, or a pixel a line with its row
 /// and column. Any chunking gives the same frames.
 ///
-/// Text has no check sum. A frame begins behind a line without pixels (words, marks, an empty one) or behind
-/// another frame, and what has not exactly 768 numbers in such lines is damaged as a whole: no number ever
-/// moves to another pixel.
+/// Text has no check sum. A frame of rows lies between two lines without pixels (words, marks, an empty one),
+/// a line of 768 is one wherever it stands, and what has not exactly 768 numbers is damaged as a whole: no
+/// number ever moves to another pixel.
 class TextCameraScanner {
  public:
   void push(std::span<const std::uint8_t> bytes, std::vector<CameraMessage>& out) {
@@ -145,7 +145,7 @@ class TextCameraScanner {
   /// A last line without an end is not read: it may be cut inside a number.
   void finish(std::vector<CameraMessage>& out) {
     if (std::exchange(behind_return_, false)) end_line(out);
-    if (std::exchange(is_held_, false)) complete(out);
+    if (is_held_) complete(out);
   }
   void restart() {
     wire::ByteLedger ledger = ledger_;
@@ -160,7 +160,7 @@ class TextCameraScanner {
     line_.end();
     const Line line = std::exchange(line_, Line());
     if (std::exchange(is_overlong_, false)) return lose(line);
-    if (std::exchange(is_held_, false)) line.numbers() == 0 ? complete(out) : drop_frame_without_mark();
+    if (is_held_) line.numbers() == 0 ? complete(out) : drop_frame_without_mark();
     if (!std::isnan(line.sensor_temp_c())) sensor_temp_c_ = line.sensor_temp_c();
     if (line.numbers() == frame_pixels) {
       drop_frame();
@@ -260,6 +260,7 @@ class TextCameraScanner {
 
   void begin_frame() {
     pixels_ = bytes_ = 0;
+    is_held_ = false;
     is_temperatures_ = true;
   }
 

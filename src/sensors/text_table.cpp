@@ -182,9 +182,9 @@ std::vector<std::optional<std::size_t>> columns_in(const std::vector<std::string
 }
 
 /// Of a header that gives some rates the same unit and others none ("gx [dps],gy,gz") it is that of all.
-void share_unit(TextTable& table) {
+void share_unit(std::vector<TextColumn>& columns) {
   const TextColumn* with_unit = nullptr;
-  for (const TextColumn& column : table.columns) {
+  for (const TextColumn& column : columns) {
     if (column.meaning.quantity != Quantity::rate || !column.meaning.is_named || column.meaning.unit.empty())
       continue;
     if (with_unit != nullptr && with_unit->meaning.scale_dps != column.meaning.scale_dps) return;
@@ -192,16 +192,17 @@ void share_unit(TextTable& table) {
   }
   if (with_unit == nullptr) return;
   const auto [scale_dps, unit] = std::pair(with_unit->meaning.scale_dps, with_unit->meaning.unit);
-  for (TextColumn& column : table.columns)
+  for (TextColumn& column : columns)
     if (column.meaning.quantity == Quantity::rate && column.meaning.is_named && column.meaning.unit.empty()) {
       column.meaning.scale_dps = scale_dps;
       column.meaning.unit = unit;
     }
 }
 
-/// Gives the columns of a table the names of a header, if it has as many cells as the table's lines; a row of
+/// The columns of a table with the names of a header, if it has as many cells as the table's lines; a row of
 /// units may stand below it.
-bool take_names(const std::string& text, const std::string* units_below, TextTable& table) {
+std::optional<std::vector<TextColumn>> named_columns(const std::string& text, const std::string* units_below,
+                                                     const TextTable& table) {
   const Header header = parts_of_header(text);
   std::string shared_unit = rate_unit_in(header.units);
   for (const char separator : {'\t', ',', ';', ' '}) {
@@ -218,13 +219,14 @@ bool take_names(const std::string& text, const std::string* units_below, TextTab
       shared_unit.clear();
     }
     const auto holds = columns_in(cells, table);
+    std::vector<TextColumn> columns = table.columns;
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (!holds[i]) continue;
       WordReader reader;
       reader.words(std::string(names[i]) + " " + std::string(units[i]));
       reader.number();
       reader.end();
-      TextColumn& column = table.columns[*holds[i]];
+      TextColumn& column = columns[*holds[i]];
       column.name = bare_name(names[i]);
       column.meaning = reader.meanings().front();
       if (!column.meaning.axis_named) column.meaning.axis.reset();
@@ -232,16 +234,16 @@ bool take_names(const std::string& text, const std::string* units_below, TextTab
       column.meaning.unit = shared_unit;
       column.meaning.scale_dps = scale_of_unit(shared_unit);
     }
-    share_unit(table);
-    return true;
+    share_unit(columns);
+    return columns;
   }
-  return false;
+  return std::nullopt;
 }
 
 /// Of the same columns.
-bool names_other_rates(const TextTable& a, const TextTable& b) {
-  for (std::size_t i = 0; i < a.columns.size(); ++i) {
-    const Meaning &one = a.columns[i].meaning, &other = b.columns[i].meaning;
+bool names_other_rates(const std::vector<TextColumn>& a, const std::vector<TextColumn>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Meaning &one = a[i].meaning, &other = b[i].meaning;
     const bool is_rate = one.quantity == Quantity::rate || other.quantity == Quantity::rate;
     if (is_rate &&
         (one.quantity != other.quantity || one.axis != other.axis || one.scale_dps != other.scale_dps))
@@ -300,15 +302,14 @@ class PageReader {
     for (TextTable& table : page_.tables) {
       if (has_words(table)) continue;
       const std::string* below = nullptr;
-      bool has_names = false;
+      std::optional<std::vector<TextColumn>> named;
       for (auto header = page_.headings.rbegin(); header != page_.headings.rend(); ++header) {
-        TextTable other = table;
-        if (take_names(*header, below, has_names ? other : table)) {
-          page_.headers_differ |= has_names && names_other_rates(other, table);
-          has_names = true;
-        }
+        const auto columns = named_columns(*header, below, table);
+        page_.headers_differ |= named && columns && names_other_rates(*named, *columns);
+        if (!named) named = columns;
         below = &*header;
       }
+      if (named) table.columns = *named;
     }
     return std::move(page_);
   }

@@ -139,6 +139,11 @@ std::optional<std::size_t> axis_of(char c) {
 }
 
 template <typename Words>
+bool holds(const Words& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+template <typename Words>
 std::optional<Quantity> find(const Words& words, std::string_view word) {
   const auto found =
       std::find_if(words.begin(), words.end(), [&](const KnownWord& known) { return known.word == word; });
@@ -328,9 +333,7 @@ std::size_t unit_length(std::string_view text) {
 bool holds_doubt(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = is_letter(text[at]) ? word_end(text, at) : at + 1;
-    if (std::find(doubt_words.begin(), doubt_words.end(), lower(text.substr(at, end - at))) !=
-        doubt_words.end())
-      return true;
+    if (holds(doubt_words, lower(text.substr(at, end - at)))) return true;
     at = end;
   }
   return false;
@@ -407,10 +410,11 @@ void WordReader::word(const Word& at) {
   if (was_angle &&
       (word == "rate" || word == "rates" || word == "vel" || word == "velocity" || word == "speed"))
     return name(Quantity::rate, std::nullopt);  // "yaw rate", "AngVelX"
-  gap_.has_factor |= std::find(factor_words.begin(), factor_words.end(), word) != factor_words.end();
-  if (gap_.has_factor && std::find(factor_words.begin(), factor_words.end(), word) != factor_words.end())
+  if (holds(factor_words, word)) {
+    gap_.has_factor = true;
     return;
-  if (std::find(fillers.begin(), fillers.end(), word) != fillers.end()) return;
+  }
+  if (holds(fillers, word)) return;
   if (word == "vector" && gap_.is_named && gap_.quantity == Quantity::rate)
     return name(Quantity::quaternion, std::nullopt);  // "rotation vector"
   if (word == "x" && has_digit && end + 1 < text.size() && is_digit(text[end + 1]))
@@ -420,7 +424,7 @@ void WordReader::word(const Word& at) {
     for (const char letter : word) gap_.axes.push_back(*axis_of(letter));
     return;
   }
-  if (std::find(modifiers.begin(), modifiers.end(), word) != modifiers.end()) {
+  if (holds(modifiers, word)) {
     gap_.is_modified = true;
     modified_in_ = brackets_ + 1;
     return;
@@ -546,22 +550,19 @@ bool WordReader::goes_on_modified() const {
 }
 
 void WordReader::number() {
-  const bool is_of_other = is_of_something_else() || goes_on_modified();
+  const bool begins_modified = is_of_something_else();
+  const bool is_of_other = begins_modified || goes_on_modified();
   if (meanings_.empty()) begins_with_number_ = !gap_.is_named && !gap_.is_unknown && gap_.axes.empty();
   if (is_of_other || (!gap_.is_named && gap_.is_unknown)) {
     begin_group(Quantity::other);
     is_modified_ = is_of_other;
-    if (is_of_other) modified_ = gap_.is_named ? gap_.quantity : Quantity::none;
+    modified_ = is_of_other && gap_.is_named ? gap_.quantity : Quantity::none;
+    if (begins_modified) modified_axes_.clear();
     if (is_of_other && !gap_.axes.empty()) modified_axes_.push_back(gap_.axes.front());
-  } else if (gap_.is_named && is_modified_) {
-    modified_axes_.clear();
-    begin_group(gap_.quantity);
-    is_named_ = true;
-    roll_is_rate_ = gap_.roll_is_rate;
   } else if (gap_.has_unit_behind && is_tail() && !axes_named_ && meanings_.size() >= group_ + 3) {
     begin_group(Quantity::none);  // the list ended with its unit
   } else if (gap_.is_named) {
-    if (gap_.quantity != quantity_ || !is_named_) begin_group(gap_.quantity);
+    if (gap_.quantity != quantity_ || !is_named_ || is_modified_) begin_group(gap_.quantity);
     is_named_ = true;
     roll_is_rate_ = gap_.roll_is_rate;
   }

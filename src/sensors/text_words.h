@@ -77,7 +77,7 @@ class WordReader {
     bool is_last_unknown = false;        // the word that stands nearest
     bool has_factor = false;             // "tenths of", "raw"
     bool is_modified = false;            // "max", "target": not what is measured
-    bool is_first_word = true;           //
+    bool is_first_word = true;           // none stands before the one that is read
     bool is_joined = false;              // the word before belongs to the same name: "accAngleX"
     bool closes = false;                 // a bracket
     bool has_unit_behind = false;        // of the numbers before
@@ -111,20 +111,26 @@ class WordReader {
   Gap gap_;
   std::size_t brackets_ = 0;                // that are open
   std::optional<std::size_t> modified_in_;  // brackets around a word such as "target"
-  Quantity quantity_ = Quantity::none;      // of the group
-  std::size_t group_ = 0;                   // its first number
-  bool is_named_ = false;                   // by a known word
+  bool begins_with_number_ = false;         // the line
+  bool was_opened_ = false;                 // the last number, by a bracket
+
+  // Of the group: the numbers that one name holds for.
+  Quantity quantity_ = Quantity::none;
+  std::size_t group_ = 0;  // its first number
+  bool is_named_ = false;  // by a known word
   bool is_modified_ = false;
+  bool axes_named_ = false;
+  bool roll_is_rate_ = false;           // "gyro roll=1 pitch=2 yaw=3"
   Quantity modified_ = Quantity::none;  // what a modified name is of: "target gx=1 gy=2 gz=3"
   std::vector<std::size_t> modified_axes_;
-  bool begins_with_number_ = false;  //
-  bool axes_named_ = false;          //
-  bool roll_is_rate_ = false;        // "gyro roll=1 pitch=2 yaw=3"
-  double scale_dps_ = 0.0;           // of numbers to come
-  std::string unit_;                 //
-  std::vector<std::size_t> axes_;    // of numbers to come: "gyro (z,y,x): 1 2 3"
+
+  // Of numbers to come.
+  double scale_dps_ = 0.0;
+  std::string unit_;
+  std::vector<std::size_t> axes_;  // "gyro (z,y,x): 1 2 3"
+
+  // Of all lines.
   std::array<bool, 9> named_{};
-  bool was_opened_ = false;  // the last number, by a bracket
   double said_scale_dps_ = 0.0;
   std::string said_unit_;
   bool is_contradicted_ = false;

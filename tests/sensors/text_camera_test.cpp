@@ -222,5 +222,13 @@ TEST(TextCamera, PassesOverALineThatNeverEnds) {
   EXPECT_EQ(scan.messages.size(), 1U);
 }
 
+TEST(TextCamera, MakesNoFrameOfRowsThatALineWithoutEndFollows) {
+  std::string text = "\n" + pixels(0, 32, ",", "", "\n");
+  for (int i = 0; i < 40'000; ++i) text += "23.4,";
+  text += "\n\n";
+  const auto scan = scan_any_chunking<wire::CameraMessage>(scanner(), bytes_of(text), Stream::ends);
+  EXPECT_EQ(scan.messages.size(), 0U);
+}
+
 }  // namespace
 }  // namespace thermorig::test::text_camera

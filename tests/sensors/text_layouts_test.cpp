@@ -704,8 +704,9 @@ TEST(TextLayouts, WhoseNamesAreOfOtherThingsAreAskedFor) {
        {"ms,servo_deg,gyro_dps\n{0}0,90.{1},0.3{1}\n", "gyro_dps,servo_dps,temp\n0.3{1},20.{1},25.0\n",
         "Gyro dps off\n0.0{1},0.02,0.3{1}\n", "raw gyro data, divide by 131 to get deg/s\n10{1},200,30{1}\n",
         "wheel_left_omega: 100.{1} wheel_right_omega: 102.0 motor_omega: 1.{1} rad/s\n",
-        "100.{1} deg/s, 90.00 deg, 50 deg/s\n", "gyro1:0.{1},gyro2:0.2,gyro3:0.3 deg/s\n",
-        "0.{1} 0.2 0.3 gyro dps | 0.03 -0.2 0.94 acc g\n",
+        "100.{1} deg/s, 90.00 deg, 50 deg/s\n",
+        "target gx:1.{1} gy:2 gz:3 error gx:0.{1} gy:0.2 gz:0.3 dps\n",
+        "gyro1:0.{1},gyro2:0.2,gyro3:0.3 deg/s\n", "0.{1} 0.2 0.3 gyro dps | 0.03 -0.2 0.94 acc g\n",
         "{{\"servo\":{{\"rate\":{{\"x\":0,\"y\":1,\"z\":100.{1}}},\"unit\":\"deg/s\"}}}}\n"}) {
     const std::string all(lines);
     const std::size_t end = all.find('\n') + 1;
