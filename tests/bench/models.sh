@@ -9,9 +9,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 source tests/bench/recordings.sh
 case ${1-} in "" | --json | --train | --general) ;; *) echo "usage: models.sh [--json | --train | --general]" >&2; exit 2 ;; esac
-thermorig=${THERMORIG_BUILD:-build}/bin/thermorig
-[ -x "$thermorig" ] || { echo "build first: bash tests/run.sh (or set THERMORIG_BUILD)" >&2; exit 1; }
-thermorig=$(realpath "$thermorig")
+find_thermorig
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 

@@ -35,9 +35,7 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
-thermorig=${THERMORIG_BUILD:-build}/bin/thermorig
-[ -x "$thermorig" ] || { echo "build first: bash tests/run.sh (or set THERMORIG_BUILD)" >&2; exit 1; }
-thermorig=$(realpath "$thermorig")
+find_thermorig
 
 study() { # GYRO, more options of evaluate
   local gyro=$1

@@ -1,5 +1,12 @@
 # SPDX-License-Identifier: MIT
-# Sourced: what figures of networks rest on, recorded from the simulated rig. `thermorig` names the program.
+# Sourced: what figures of networks rest on, recorded from the simulated rig.
+
+# find_thermorig: thermorig, the path of the program that was built.
+find_thermorig() {
+  thermorig=${THERMORIG_BUILD:-build}/bin/thermorig
+  [ -x "$thermorig" ] || { echo "build first: bash tests/run.sh (or set THERMORIG_BUILD)" >&2; exit 1; }
+  thermorig=$(realpath "$thermorig")
+}
 
 # record_table_one GYRO FOLDER: the paper's Table I, where the folder is not there yet; it appears when all 18 are in it.
 record_table_one() {

@@ -5,6 +5,7 @@
 # Usage: bash tests/bench/table_one.sh [--json] [--keep FOLDER] [--gyro KIND]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+source tests/bench/recordings.sh
 json=0 keep= gyro=typical
 while [ $# -gt 0 ]; do
   case "$1" in
@@ -15,9 +16,7 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
-thermorig=${THERMORIG_BUILD:-build}/bin/thermorig
-[ -x "$thermorig" ] || { echo "build first: bash tests/run.sh (or set THERMORIG_BUILD)" >&2; exit 1; }
-thermorig=$(realpath "$thermorig")
+find_thermorig
 folder=${keep:-$(mktemp -d)}
 mkdir -p "$folder"
 [ -n "$keep" ] || trap 'rm -rf "$folder"' EXIT

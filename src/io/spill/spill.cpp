@@ -27,7 +27,7 @@ struct Block {
   bool is_on_disk = false;
 };
 
-/// Whoever has the lock.
+/// All but the mutex is read and written under it.
 struct Blocks {
   std::mutex mutex;
   std::filesystem::path near;

@@ -48,8 +48,8 @@ class Trial {
 /// Whether try_sessions_first() was called.
 bool are_sessions_tried();
 
-/// Whether whoever opens this as a session gets one: as a program does that reads a stranger's file, a child
-/// process first. Throws as read_session() does.
+/// Reads the whole file and keeps nothing of it, in a child process if files are tried first. Throws as
+/// read_session() does.
 void require_readable(const StoredFile& file);
 
 }  // namespace thermorig::session

@@ -32,7 +32,7 @@ class StoredFile {
   /// Of `size` bytes. Throws Error(not_a_session) if that is larger.
   StoredFile(std::uint64_t size, ReadAt read_at, std::filesystem::path path);
 
-  /// The name by which it was opened.
+  /// The name that it was opened under.
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t size() const { return size_; }
   /// Zeros behind the end. May be called from several threads. Throws Error: storage, or not_a_session.
