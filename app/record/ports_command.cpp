@@ -55,7 +55,7 @@ ExitCode run(const PortsOptions& options) {
   const std::vector<io::PortInfo> ports = ports_to_hear(options.extra);
   if (ports.empty())
     throw Error(ExitCode::device_missing, "this machine has no serial port", "",
-                "plug the devices in; without hardware: thermorig simulate, whose ports are to be named");
+                "plug the devices in; without hardware: thermorig simulate, then name its ports");
   SavedProfile saved{.name = options.save, .file = {}};
   if (!saved.name.empty()) {
     saved.file = profile_path(saved.name);
