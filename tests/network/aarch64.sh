@@ -11,7 +11,7 @@ mkdir -p "$build"
 compiler=aarch64-linux-gnu-g++
 launcher=$(command -v ccache || true)
 googletest=/usr/src/googletest/googletest
-settings=(-std=c++20 -O2 -Wall -Wextra -Wno-missing-field-initializers -Iinclude -Isrc/network
+settings=(-std=c++20 -O2 -Wall -Wextra -Wno-missing-field-initializers -Iinclude -Isrc -Isrc/network
   "-DTHERMORIG_SOURCE_DIR=\"$PWD\"" "-ffile-prefix-map=$PWD=.")
 # As in src/network/kernels/CMakeLists.txt.
 kernel=(-O3 -fno-math-errno -fno-trapping-math -ffp-contract=fast -DTHERMORIG_KERNELS=baseline)
