@@ -68,9 +68,10 @@ struct DoctorOptions {
 
 struct LiveOptions {
   RecordOptions record;                         // rig, environment, plan; output where a session is kept
-  std::filesystem::path model;                  // empty: gyro against servo only
+  std::filesystem::path model;                  // empty: the program's own, where it has one; "none"
   bool keep = false;                            // a session, as `record` makes one
   std::string precision = "fp32";               // of the network's weights: fp32, fp16
+  std::optional<int> turned;                    // 1, 8; none: 8, where the network has learnt the turns
   std::vector<std::string> estimators;          // by name; empty: all that can run
   bool loop = false;                            // the plan again and again, until it is stopped
   std::filesystem::path map;                    // of the odometer: begun with, and written; empty: none

@@ -104,9 +104,9 @@ ExitCode run(const LiveOptions& options) {
   plan.repeat = options.loop;
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
   if (options.keep) require_output(options.record, rig, plan);
-  const ChosenModel model = read_live_model(options.model, options.precision, rig.profile.camera);
+  const ChosenModel model = choose_live_model(options, rig.profile.camera);
   LiveMap map(options.map, rig.profile.camera, rig.simulated.has_value());
-  estimators::Bank bank(options.estimators, model.model, rig.profile, model.precision, 1, map.begun_with());
+  estimators::Bank bank(options.estimators, model.model, rig.profile, model.run, 1, map.begun_with());
   rig::RecordingOptions recording = recording_options(options.record, rig, plan);
   make_live(options, model, bank, recording);
   const std::unique_ptr<LivePage> page =

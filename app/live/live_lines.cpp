@@ -4,11 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <string_view>
 
 #include "print/output.h"
 #include "print/simulation_text.h"
+#include "print/terminal_width.h"
 
 namespace thermorig::app {
 
@@ -19,6 +23,13 @@ constexpr std::size_t narrowest = 8;
 /// As wide as the name over it.
 std::size_t width_of(const EstimatorColumn& estimator) {
   return std::max(narrowest, estimator.name.size() + 2);
+}
+
+// What a person wants to see first, where not all fit: the paper's two beside the plain gyro.
+constexpr std::array<std::string_view, 4> first_shown{"cnn-fusion", "gyro", "cnn-thermal", "odometer"};
+
+std::size_t rank_of(const EstimatorColumn& estimator) {
+  return static_cast<std::size_t>(std::ranges::find(first_shown, estimator.name) - first_shown.begin());
 }
 
 std::string rate_cell(float rate_dps) {
@@ -35,23 +46,73 @@ std::string figure(double value, const char* format = "{:.4f}") {
   return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "-";
 }
 
+/// A line a second: time, the servo's speed, that of as many estimators as fit, Kg where there is a gate,
+/// counted frames.
+class RateLines {
+ public:
+  RateLines() = default;
+  RateLines(const std::vector<EstimatorColumn>& estimators, HostTime begin, std::size_t width)
+      : begin_(begin), estimators_(estimators), has_gate_(live::gain_of(estimators, {}).has_value()) {
+    std::vector<std::size_t> places(estimators.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    std::ranges::stable_sort(places, {}, [&](std::size_t place) { return rank_of(estimators[place]); });
+    std::size_t taken = titles().size() - 1;
+    for (const std::size_t place : places) {
+      taken += width_of(estimators[place]);
+      (taken <= width ? shown_ : hidden_).push_back(place);
+    }
+    std::ranges::sort(shown_);
+    std::ranges::sort(hidden_);
+  }
+
+  /// The names above the columns.
+  std::string titles() const {
+    std::string line = "    time   servo";
+    for (const std::size_t place : shown_)
+      line += fmt::format("{:>{}}", estimators_[place].name, width_of(estimators_[place]));
+    return line + (has_gate_ ? "    Kg" : "") + "  counted\n";
+  }
+
+  std::string line(const LiveFrame& frame) const {
+    const EstimateRow& row = frame.row;
+    std::string line =
+        fmt::format("{:>6.1f} s{:>8}", to_s(row.arrival - begin_), rate_cell(row.rate_commanded_dps));
+    for (const std::size_t place : shown_)
+      line += fmt::format("{:>{}}", rate_cell(row.estimates[place]), width_of(estimators_[place]));
+    if (const std::optional<float> gain = live::gain_of(estimators_, row))
+      line += fmt::format("  {:>4}", std::isnan(*gain) ? "-" : fmt::format("{:.2f}", *gain));
+    return line + fmt::format("  {:>7}\n", frame.scores.counted);
+  }
+
+  /// "" where all fit.
+  std::string hidden() const {
+    std::string names;
+    for (const std::size_t place : hidden_) names += (names.empty() ? "" : ", ") + estimators_[place].name;
+    return names.empty() ? "" : "not shown here: " + names + "\n";
+  }
+
+ private:
+  HostTime begin_{};
+  std::vector<EstimatorColumn> estimators_;
+  bool has_gate_ = false;
+  std::vector<std::size_t> shown_, hidden_;
+};
+
 class LiveLines : public LiveScreen {
  public:
   explicit LiveLines(OutputWriter& output) : output_(output) {}
 
   void hello(const LiveFacts& facts) override {
-    begin_ = facts.header.time_reference;
-    titles_ = titles_of(facts.header.estimators);
-    output_.write(heading_of(facts) + "?: a rate that its estimator does not trust, or not yet\n",
+    rates_ = RateLines(facts.header.estimators, facts.header.time_reference, terminal_width());
+    output_.write(heading_of(facts) + rates_.hidden() + "?: not reliable (yet); rates in deg/s\n",
                   Matter::word);
   }
   void state(const rig::RecordingProgress&) override {}
   void frame(const LiveFrame& frame) override {
     if (last_ && frame.row.arrival - *last_ < std::chrono::seconds(1)) return;
     last_ = frame.row.arrival;
-    std::string text(lines_ % 40 == 0 ? titles_ : "");
-    text += line_of(frame, begin_) + "\n";
-    if (output_.write(text, Matter::frame)) ++lines_;
+    const std::string titles = lines_ % 40 == 0 ? rates_.titles() : "";
+    if (output_.write(titles + rates_.line(frame), Matter::frame)) ++lines_;
   }
   void note(const std::string& sentence) override { output_.write(printable(sentence) + "\n", Matter::word); }
   void ended(const LiveEnd& end, const live::LiveScores& scores) override {
@@ -60,8 +121,7 @@ class LiveLines : public LiveScreen {
 
  private:
   OutputWriter& output_;
-  HostTime begin_{};
-  std::string titles_;
+  RateLines rates_;
   std::optional<HostTime> last_;
   int lines_ = 0;
 };
@@ -91,26 +151,6 @@ class LiveJson : public MessageSink {
 
 }  // namespace
 
-std::string titles_of(const std::vector<EstimatorColumn>& estimators) {
-  std::string line = "    time     servo";
-  for (const EstimatorColumn& column : estimators)
-    line += fmt::format("{:>{}}", column.name, width_of(column));
-  if (live::gain_of(estimators, {})) line += "    Kg";
-  return line + "  counted  excluded       took\n";
-}
-
-std::string line_of(const LiveFrame& frame, HostTime begin) {
-  const EstimateRow& row = frame.row;
-  std::string line =
-      fmt::format("{:>6.1f} s  {:>8}", to_s(row.arrival - begin), rate_cell(row.rate_commanded_dps));
-  for (std::size_t i = 0; i < frame.estimators.size(); ++i)
-    line += fmt::format("{:>{}}", rate_cell(row.estimates[i]), width_of(frame.estimators[i]));
-  if (const std::optional<float> gain = live::gain_of(frame.estimators, row))
-    line += fmt::format("  {:>4}", std::isnan(*gain) ? "-" : fmt::format("{:.2f}", *gain));
-  return line + fmt::format("  {:>7}  {:>8}  {:>6.0f} us", frame.scores.counted, frame.scores.excluded,
-                            frame.inference_us);
-}
-
 std::string heading_of(const LiveFacts& facts) {
   const RecordingHeader& header = facts.header;
   std::string text =
@@ -120,26 +160,26 @@ std::string heading_of(const LiveFacts& facts) {
   if (header.simulated) text += simulated_line(header.simulation_seed, header.simulation);
   const LiveModel& model = header.live_model;
   if (model.name.empty())
-    text += "no model: estimators that need no network against the servo (--model FILE)\n";
+    text += "no network (--model FILE)\n";
   else
-    text +=
-        fmt::format("model {}: {}, {} frames, pixels averaged {} x {}, {} weights{}\n", printable(model.name),
-                    model.fusion ? "fusion" : "thermal only", model.frames, model.reduction, model.reduction,
-                    printable(model.precision), model.simulated ? ", trained on simulated data" : "");
+    text += fmt::format("model {}: {}, Nf {}, Nr {}, {} weights{}{}\n", printable(model.name),
+                        model.fusion ? "fusion" : "thermal only", model.frames, model.reduction,
+                        printable(model.precision), model.turned > 1 ? ", mean of 8 turns" : "",
+                        model.simulated ? ",\ntrained on simulated data" : "");
   if (facts.mode != LiveMode::replay)
-    text += facts.recording ? "a session is kept\n" : "nothing is kept (--record keeps a session)\n";
+    text += facts.recording ? "saving a session\n" : "not saved; use --record\n";
   return text;
 }
 
 std::string scores_text(const live::LiveScores& scores) {
-  Table table({"estimator", ">frames", ">RMSE deg/s", ">MSE", ">median*", ">IQR*", ">angle deg", ">deg/min"});
+  Table table({"estimator", ">frames", ">RMSE", ">MSE", ">median*", ">IQR*", ">angle deg", ">deg/min"});
   for (const live::EstimatorScores& one : scores.estimators)
     table.add({printable(one.name), count_text(one.frames), figure(one.rmse_dps, "{:.2f}"),
                figure(one.mse, "{:.5f}"), figure(one.recent_median_mse, "{:.5f}"),
                figure(one.recent_iqr_mse, "{:.5f}"), figure(one.angle_error_deg, "{:+.2f}"),
                figure(one.drift_deg_per_min, "{:+.2f}")});
   std::string text = table.text();
-  text += fmt::format("{} of {} frames counted, {} excluded; * of the last minute\n",
+  text += fmt::format("{} of {} frames counted, {} excluded; RMSE in deg/s; * of the last minute\n",
                       count_text(scores.counted), count_text(scores.frames), count_text(scores.excluded));
   if (std::isfinite(scores.gain_mean))
     text += fmt::format("Kg {:.2f} on average{}\n", scores.gain_mean,

@@ -19,13 +19,6 @@ std::unique_ptr<MessageSink> make_live_json(OutputWriter& output);
 std::string dropped_line(const DroppedTexts& dropped);
 std::string dropped_object(const DroppedTexts& dropped);
 
-/// The names above the columns of line_of().
-std::string titles_of(const std::vector<EstimatorColumn>& estimators);
-
-/// Time, the servo's speed, that of each estimator, Kg where there is a gate, counted and excluded frames,
-/// the time that the estimators took: one line.
-std::string line_of(const LiveFrame& frame, HostTime begin);
-
 /// What stands before the first line: source, plan, model.
 std::string heading_of(const LiveFacts& facts);
 

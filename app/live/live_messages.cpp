@@ -36,7 +36,8 @@ const std::string& run_id() {
 nlohmann::json model_json(const LiveModel& model) {
   if (model.name.empty()) return {};
   return {{"name", model.name},     {"frames", model.frames},       {"reduction", model.reduction},
-          {"fusion", model.fusion}, {"precision", model.precision}, {"simulated", model.simulated}};
+          {"fusion", model.fusion}, {"precision", model.precision}, {"simulated", model.simulated},
+          {"turned", model.turned}};
 }
 
 nlohmann::json estimators_json(const std::vector<EstimatorColumn>& estimators) {

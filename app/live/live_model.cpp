@@ -2,47 +2,81 @@
 #include "live_model.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include "general_model.h"
 #include "thermorig/core/error.h"
+#include "thermorig/network/turn.h"
 
 namespace thermorig::app {
 
 namespace {
 
-/// Whether frames are half or full only the camera's stream shows.
+/// Whether frames are half or full only the camera's stream shows; mirror images are mirrored back.
+network::CameraView view_like(const network::CameraView& learnt, const CameraProfile& camera) {
+  return {
+      .width_deg = camera.lens_width_deg(), .half_frames = learnt.half_frames, .mirrored = learnt.mirrored};
+}
+
 void require_view(const network::CameraView& learnt, const CameraProfile& camera, const std::string& where) {
-  const network::CameraView here{
-      .width_deg = camera.lens_width_deg(), .half_frames = learnt.half_frames, .mirrored = camera.mirrored};
+  const network::CameraView here = view_like(learnt, camera);
   if (learnt.fits(here)) return;
-  throw Error(
-      ExitCode::bad_usage,
-      fmt::format("the model has learnt a lens of {:.0f} degrees{}, and this camera has one of {:.0f}{}",
-                  learnt.width_deg, learnt.mirrored ? ", mirrored" : "", here.width_deg,
-                  here.mirrored ? ", mirrored" : ""),
-      where, "a model of such a camera, or another profile: --rig");
+  throw Error(ExitCode::bad_usage,
+              fmt::format("the model has learnt a lens of {:.0f} degrees, and this camera has one of {:.0f}",
+                          learnt.width_deg, here.width_deg),
+              where, "a model of such a camera, --model none, or another profile: --rig");
+}
+
+bool asks_for_network(const LiveOptions& options) {
+  return options.estimators.empty() || std::ranges::any_of(options.estimators, [](const std::string& name) {
+           return estimators::entry(name).needs_network;
+         });
+}
+
+std::optional<NamedModel> model_of(const LiveOptions& options, const CameraProfile& camera) {
+  std::error_code hidden;
+  if (options.model == "none" && !std::filesystem::exists(options.model, hidden)) return std::nullopt;
+  const bool by_default = options.model.empty();
+  if (by_default && !asks_for_network(options)) return std::nullopt;
+  NamedModel named = named_model(by_default ? "general" : options.model);
+  const auto& view = named.model.provenance.view;
+  if (by_default && !(view && view->fits(view_like(*view, camera)))) return std::nullopt;
+  if (view) require_view(*view, camera, named.name);
+  return named;
+}
+
+int turned_of(const LiveOptions& options, const NamedModel& named) {
+  const bool has_learnt = named.model.scaling.by_window;
+  const int turned = options.turned.value_or(has_learnt ? int{network::Turn::all} : 1);
+  if (turned != 1 && !has_learnt)
+    throw Error(ExitCode::bad_usage, "this network has not learnt windows that are upside down or backwards",
+                named.name, "--turned 1, or a model of preset best");
+  return turned;
 }
 
 }  // namespace
 
-ChosenModel read_live_model(const std::filesystem::path& path, const std::string& precision,
-                            const CameraProfile& camera) {
+ChosenModel choose_live_model(const LiveOptions& options, const CameraProfile& camera) {
   ChosenModel chosen;
-  if (path.empty()) return chosen;
-  NamedModel named = named_model(path);
-  chosen.model = std::move(named.model);
-  if (const auto& view = chosen.model->provenance.view) require_view(*view, camera, named.name);
-  if (precision == "fp16") chosen.precision = network::Precision::fp16_weights;
+  std::optional<NamedModel> named = model_of(options, camera);
+  if (!named) return chosen;
+  chosen.run = {
+      .precision = options.precision == "fp16" ? network::Precision::fp16_weights : network::Precision::fp32,
+      .turned = turned_of(options, *named)};
+  chosen.model = std::move(named->model);
   const network::Shape& shape = chosen.model->weights.shape;
-  chosen.facts = {.name = named.name,
-                  .hash = named.hash,
+  chosen.facts = {.name = named->name,
+                  .hash = named->hash,
                   .frames = shape.frames,
                   .reduction = shape.reduction,
                   .fusion = shape.fusion,
                   .simulated = chosen.model->provenance.simulated,
                   .label_scale_dps = double{chosen.model->scaling.label_scale_dps},
-                  .precision = precision};
+                  .precision = options.precision,
+                  .turned = chosen.run.turned};
   return chosen;
 }
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "options.h"
 #include "thermorig/core/estimate_row.h"
 #include "thermorig/core/profile.h"
-#include "thermorig/network/estimator.h"
+#include "thermorig/estimators/table.h"
 #include "thermorig/network/model/model.h"
 
 namespace thermorig::app {
@@ -17,13 +17,13 @@ namespace thermorig::app {
 struct ChosenModel {
   std::optional<model::Model> model;  // none: gyro against servo only
   LiveModel facts;
-  network::Precision precision = network::Precision::fp32;
+  estimators::NetworkRun run;
 };
 
-/// `precision`: fp32 or fp16. Throws Error(not_a_session) if it is no model, Error(bad_usage) where it has
-/// learnt another lens or orientation than this camera's; nothing for an empty path.
-ChosenModel read_live_model(const std::filesystem::path& path, const std::string& precision,
-                            const CameraProfile& camera);
+/// What the options name, "none" for none. Where they name none, the program's own, if the estimators ask for
+/// a network and the camera's lens is one that it has learnt. Throws Error(not_a_session) if it is no model,
+/// Error(bad_usage) where it has learnt another lens than this camera's, or not the turns that are wanted.
+ChosenModel choose_live_model(const LiveOptions& options, const CameraProfile& camera);
 
 /// What should be known before the first frame.
 std::vector<std::string> warnings_of(const ChosenModel& model, bool simulated_rig, int frames_per_leg);

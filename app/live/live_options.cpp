@@ -90,8 +90,8 @@ void check_words_without_effect(const LiveCommandLine& words) {
     refuse_said(words, {"--page-port", "--new-token"}, "is for the page, and --no-page serves none");
   if (live.record.fast)
     refuse_said(words, {"--page-port", "--new-token"}, "is for the page, and --fast serves none");
-  if (live.model.empty())
-    refuse_said(words, {"--precision"}, "is that of a network, and there is no --model");
+  if (live.model == "none")
+    refuse_said(words, {"--precision", "--turned"}, "is for a network, and --model none runs none");
 }
 
 /// A map is that of the odometer.
@@ -147,15 +147,22 @@ void add_live(CLI::App& root, LiveCommandLine& words) {
   CLI::App& command =
       *root.add_subcommand("live", "Show the network's estimate against the servo while the rig moves");
   command
-      .add_option(
-          "-m,--model", live.model,
-          "Model (.onnx) that `thermorig train` wrote; without it the estimators that need no network run")
+      .add_option("-m,--model", live.model,
+                  "Model (.onnx) that `thermorig train` wrote, or none (default: the general model, where "
+                  "the lens fits)")
       ->type_name("FILE");
   command
       .add_option("--precision", live.precision, "Of the network's weights: fp32, or fp16, half the memory")
       ->check(CLI::IsMember({"fp32", "fp16"}))
       ->type_name("KIND")
       ->capture_default_str();
+  command
+      .add_option(
+          "--turned", live.turned,
+          "8: the network's mean over each window's eight turns (default, where it has learnt them); 1: "
+          "the window alone")
+      ->check(CLI::IsMember({1, 8}))
+      ->type_name("N");
   command.add_option("--estimators", live.estimators, "Those to run, by name (default: all that can)")
       ->check(one_of(estimators::names()))
       ->delimiter(',')
@@ -174,7 +181,7 @@ void add_live(CLI::App& root, LiveCommandLine& words) {
   add_rig(command, live.record.rig);
   command.footer(
       "Examples:\n"
-      "  thermorig live --simulated=4 --model model.onnx\n"
+      "  thermorig live --simulated=4\n"
       "  thermorig live --rig bench --model model.onnx --environment garden --record\n"
       "  thermorig live --rig bench --environment kitchen --plan paper --map kitchen.map\n"
       "  thermorig live --replay session.h5 --model model.onnx --speed 10");

@@ -141,15 +141,15 @@ LiveFacts facts_of(const RawRecording& raw) {
 ExitCode replay_live(const LiveOptions& options) {
   const std::filesystem::path file = one_session_at(*options.replay);
   const RawRecording raw = session::read_raw(file);
-  const ChosenModel model = read_live_model(options.model, options.precision, raw.header.profile.camera);
+  const ChosenModel model = choose_live_model(options, raw.header.profile.camera);
   watch_interrupts();
   const std::unique_ptr<LivePage> page =
       options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
   LiveMap map(options.map, raw.header.profile.camera, raw.header.simulated);
-  LiveRun run(facts_of(raw), model,
-              estimators::Bank(options.estimators, model.model, raw.header.profile, model.precision, 1,
-                               map.begun_with()),
-              &map);
+  LiveRun run(
+      facts_of(raw), model,
+      estimators::Bank(options.estimators, model.model, raw.header.profile, model.run, 1, map.begun_with()),
+      &map);
   LiveScreens screens(options, page.get(), run);
   RecordingHeader header = raw.header;
   header.live_model = model.facts;
@@ -157,7 +157,8 @@ ExitCode replay_live(const LiveOptions& options) {
   for (const std::string& warning : warnings_of(model, header.simulated, header.frames_per_leg))
     run.warn(warning);
   const bool same_model = !model.facts.hash.empty() && model.facts.hash == raw.header.live_model.hash &&
-                          model.facts.precision == raw.header.live_model.precision;
+                          model.facts.precision == raw.header.live_model.precision &&
+                          model.facts.turned == raw.header.live_model.turned;
   Replayer replayer(options, raw, run, page.get(), screens, same_model);
   const bool finished = replayer.play();
   const ExitCode code = finished ? ExitCode::ok : ExitCode::interrupted;

@@ -40,7 +40,9 @@ LiveRun::LiveRun(const LiveFacts& facts, const ChosenModel& model, estimators::B
       estimates_(std::move(bank)),
       scorer_(columns_, label_scale_dps(model.model)),
       map_(map) {
-  if (model.model) scaling_ = model.model->scaling;
+  if (!model.model) return;
+  scaling_ = model.model->scaling;
+  learnt_ = model.model->provenance.view;
 }
 
 bool LiveRun::wanted(web::Topic topic) const {
@@ -79,6 +81,7 @@ EstimateRow LiveRun::observe(const Measurement& measurement, HostTime arrived) {
   publish_surroundings();
   for (LiveScreen* screen : screens_) screen->frame(seen);
   if (++frames_ == scene_frame) warn_of_scene(measurement.frame.frame);
+  warn_of_full_frames(measurement.frame);
   warn_of_gate(scores);
   warn_of_ignored();
   tell_of_map();
@@ -110,6 +113,18 @@ void LiveRun::warn_of_scene(const ThermalFrame& frame) {
       fmt::format("the scene is {:.1f} degC on average, the model was trained around {:.1f} degC: {:.0f} of "
                   "its deviations away, so its estimates mean little here; train it with sessions from here",
                   mean_c, scaling_->temp_mean_c, std::abs(off)));
+}
+
+/// Half-frames renew every other pixel, full frames all.
+void LiveRun::warn_of_full_frames(const TimedFrame& frame) {
+  constexpr std::uint64_t judged = 64;
+  if (!learnt_ || frames_ > judged) return;
+  constexpr int few_pixels = 20;
+  if (std::min(frame.fresh_even, frame.fresh_odd) > few_pixels) ++full_frames_;
+  if (frames_ < judged || (full_frames_ > judged / 2) != learnt_->half_frames) return;
+  warn(learnt_->half_frames
+           ? "the camera sends full frames, and the model has learnt half-frames: its rates are worse here"
+           : "the camera sends half-frames, and the model has learnt full frames: its rates are worse here");
 }
 
 void LiveRun::warn_of_gate(const live::LiveScores& scores) {

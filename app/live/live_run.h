@@ -68,6 +68,7 @@ class LiveRun {
   void publish(web::Topic topic, const nlohmann::json& message);
   void publish_surroundings();
   void warn_of_scene(const ThermalFrame& frame);
+  void warn_of_full_frames(const TimedFrame& frame);
   void warn_of_gate(const live::LiveScores& scores);
   void warn_of_ignored();
   void tell_of_map();
@@ -75,6 +76,7 @@ class LiveRun {
 
   LiveFacts facts_;
   std::optional<network::Scaling> scaling_;
+  std::optional<network::CameraView> learnt_;
   std::vector<EstimatorColumn> columns_;  // of the rows
   live::LiveEstimates estimates_;
   live::Scorer scorer_;
@@ -84,7 +86,7 @@ class LiveRun {
   std::vector<rig::Order> orders_;
   HostTime begin_{};
   HostTime now_{};
-  std::uint64_t frames_ = 0;
+  std::uint64_t frames_ = 0, full_frames_ = 0;
   std::optional<HostTime> surroundings_shown_;
   bool gate_told_ = false;
   bool ignored_told_ = false;

@@ -24,6 +24,11 @@ void require_runnable(const Entry& entry, const std::optional<model::Model>& mod
         ExitCode::bad_usage,
         fmt::format("the estimator \"{}\" needs a network with fusion, and the model has none", entry.name),
         "the estimator", "a model that was trained with fusion, or \"cnn-thermal\"");
+  if (entry.needs_sigma && !model->scaling.gate_states_sigma)
+    throw Error(
+        ExitCode::bad_usage,
+        fmt::format("the estimator \"{}\" needs a network that says how sure its images are", entry.name),
+        "the estimator", "a model of preset best with fusion, or \"cnn-fusion\"");
 }
 
 void require_each_once(const std::vector<std::string>& names) {
@@ -49,8 +54,7 @@ struct Bank::Parts {
 };
 
 Bank::Bank(std::span<const std::string> names, const std::optional<model::Model>& model,
-           const RigProfile& profile, network::Precision precision, int frames,
-           std::shared_ptr<const odometer::Map> map)
+           const RigProfile& profile, NetworkRun run, int frames, std::shared_ptr<const odometer::Map> map)
     : parts_(std::make_unique<Parts>()) {
   const std::vector<std::string> all =
       names.empty() ? names_for(model) : std::vector(names.begin(), names.end());
@@ -60,8 +64,7 @@ Bank::Bank(std::span<const std::string> names, const std::optional<model::Model>
   parts_->setup.frames = frames;
   parts_->setup.map = std::move(map);
   if (model) {
-    parts_->setup.network =
-        std::make_shared<NetworkWindow>(*model, precision, 1.0 / profile.camera.output_rate_hz);
+    parts_->setup.network = std::make_shared<NetworkWindow>(*model, run, profile.camera);
     parts_->setup.frames = model->weights.shape.frames;
   }
   for (const std::string& name : all) {

@@ -13,7 +13,7 @@ std::unique_ptr<Estimator> made(const Setup& setup) {
   return std::make_unique<Made>(setup);
 }
 
-// Each in the file of its name; the two of the network in network_estimators.cpp.
+// Each in the file of its name; those of the network in network_estimators.cpp.
 Entry gyro();
 Entry gyro_rest();
 Entry gyro_kalman();
@@ -21,5 +21,6 @@ Entry odometer();
 Entry thermal_likelihood();
 Entry cnn_thermal();
 Entry cnn_fusion();
+Entry cnn_fusion_kalman();
 
 }  // namespace thermorig::estimators

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The two estimates of the paper's network: its thermal head alone, and what its gate makes of that and the
-// gyro (paper eq. 2). It was trained on windows. Where its gate learnt to, it states a sigma of the first.
+// The estimates of the paper's network: its thermal head alone, and what its gate makes of that and the gyro
+// (paper eq. 2). Where its gate states a sigma of the first, the images are also fused with a gyro whose bias
+// is followed, each by its sigma.
 #include "network_estimators.h"
 
 #include <algorithm>
@@ -8,19 +9,27 @@
 #include <cmath>
 
 #include "entries.h"
+#include "thermorig/network/gate.h"
 #include "thermorig/network/soundness.h"
 #include "thermorig/network/trainer.h"
+#include "thermorig/network/turn.h"
 #include "window_rates.h"
 
 namespace thermorig::estimators {
 
 namespace {
 
-constexpr std::array<std::string_view, 1> fusion_values{"gain"};
+constexpr std::array<std::string_view, 1> fusion_values{"gain"};  // Kg, of the gate
+constexpr std::array<std::string_view, 1> kalman_fusion_values{"image_weight"};
 
 /// A network from a stranger's file may say anything.
 float finite_or_unknown(float value) {
   return std::isfinite(value) ? value : RateEstimate::not_known;
+}
+
+void mirror_rows(std::span<const float, frame_pixels> from, std::span<float, frame_pixels> mirrored) {
+  for (std::size_t row = 0; row < frame_pixels; row += frame_columns)
+    std::reverse_copy(from.begin() + row, from.begin() + row + frame_columns, mirrored.begin() + row);
 }
 
 /// Speed over time, a step a frame; from where the first speed is known.
@@ -92,6 +101,46 @@ class FusionEstimator : public Estimator {
   AngleOfFrames angle_;
 };
 
+/// Where a rest has shown the gyro's bias, the images get only the weight that is left to them; before, the
+/// profile says how far off the bias may be. The gyro's scale gives them none: over a whole room they know it
+/// no better than a data sheet.
+class KalmanFusionEstimator : public Estimator {
+ public:
+  explicit KalmanFusionEstimator(const Setup& setup)
+      : network_(setup.network), gyro_(gyro_kalman().make(setup)) {}
+
+  std::optional<RateEstimate> add(const Observation& observation) override {
+    const auto& output = network_->look(observation);
+    const RateEstimate gyro = gyro_->add(observation).value_or(RateEstimate{});
+    RateEstimate estimate;
+    if (!output)
+      estimate.reason = network_->reason();
+    else if (!std::isfinite(gyro.rate_dps))
+      estimate.reason = EstimateReason::no_gyro;
+    else
+      fuse(*output, gyro, estimate);
+    estimate.angle_deg = angle_.add(estimate.rate_dps, observation.frame.exposure_end);
+    return estimate;
+  }
+
+ private:
+  void fuse(const network::Output& output, const RateEstimate& gyro, RateEstimate& estimate) const {
+    const double thermal_dps = double{output.thermal * network_->speed_scale_dps()};
+    const double thermal_sigma_dps = double{network_->sigma_dps(output.gain)};
+    const double gain = network::gain_beside(double{gyro.values[1]}, thermal_sigma_dps);
+    const double rate_dps = gain * thermal_dps + (1.0 - gain) * double{gyro.rate_dps};
+    const double sigma_dps = std::hypot(gain * thermal_sigma_dps, (1.0 - gain) * double{gyro.rate_sigma_dps});
+    estimate.rate_dps = finite_or_unknown(static_cast<float>(rate_dps));
+    estimate.rate_sigma_dps = finite_or_unknown(static_cast<float>(sigma_dps));
+    estimate.values[0] = finite_or_unknown(static_cast<float>(gain));
+    if (std::isfinite(estimate.rate_dps)) estimate.state = EstimateState::good;
+  }
+
+  std::shared_ptr<NetworkWindow> network_;
+  std::unique_ptr<Estimator> gyro_;
+  AngleOfFrames angle_;
+};
+
 }  // namespace
 
 void FramePeriod::add(HostTime exposure_end, bool follows) {
@@ -102,23 +151,26 @@ void FramePeriod::add(HostTime exposure_end, bool follows) {
   last_ = exposure_end;
 }
 
-NetworkWindow::NetworkWindow(const model::Model& model, network::Precision precision, double frame_period_s)
-    : estimator_(model.weights, precision),
+NetworkWindow::NetworkWindow(const model::Model& model, NetworkRun run, const CameraProfile& camera)
+    : estimator_(model.weights, run.precision),
       scaling_(model.scaling),
+      turned_(run.turned),
+      is_mirror_image_(model.provenance.view && model.provenance.view->mirrored != camera.mirrored),
       prepared_(shape().pixels()),
+      turned_window_(shape().inputs()),
       images_(static_cast<std::size_t>(shape().frames), shape().pixels()),
       window_(shape().inputs()),
-      period_(frame_period_s),
+      period_(1.0 / camera.output_rate_hz),
       in_a_row_(shape().frames) {}
 
 const std::optional<network::Output>& NetworkWindow::look(const Observation& observation) {
   if (seen_ == observation.index) return output_;
   seen_ = observation.index;
   const TimedFrame& frame = observation.frame;
-  const std::span<const float> temp_c(frame.frame.temp_c);
   const int in_a_row = in_a_row_.push(frame);
   period_.add(frame.exposure_end, in_a_row > 1);
-  network::prepare_frame(temp_c, shape(), scaling_, prepared_);
+  if (is_mirror_image_) mirror_rows(frame.frame.temp_c, mirrored_);
+  network::prepare_frame(is_mirror_image_ ? mirrored_ : frame.frame.temp_c, shape(), scaling_, prepared_);
   images_.push(prepared_);
   output_.reset();
   reason_ = in_a_row > 0 ? EstimateReason::window_incomplete : EstimateReason::no_image;
@@ -130,7 +182,14 @@ network::Output NetworkWindow::estimate() {
   if (!scaling_.by_window) return estimator_.estimate(images_.all(), 0.0F);
   std::copy_n(images_.all().data(), window_.size(), window_.data());
   network::scale_window(window_, shape());
-  return estimator_.estimate(window_, 0.0F);
+  if (turned_ == 1) return estimator_.estimate(window_, 0.0F);
+  network::TurnedOutputs outputs;
+  for (std::uint8_t bits = 0; bits < network::Turn::all; ++bits) {
+    const network::Turn turn(bits);
+    network::turn_window(window_, shape(), turn, turned_window_);
+    outputs.add(estimator_.estimate(turned_window_, 0.0F), turn, shape().fusion);
+  }
+  return outputs.mean(0.0F, shape().fusion);
 }
 
 float NetworkWindow::sigma_dps(float gain) const {
@@ -154,6 +213,17 @@ Entry cnn_fusion() {
           .needs_fusion = true,
           .values = fusion_values,
           .make = made<FusionEstimator>};
+}
+
+Entry cnn_fusion_kalman() {
+  return {.name = "cnn-fusion-kalman",
+          .title = "camera and gyro-kalman, weighed by their sigmas",
+          .inputs = {.image = true, .gyro = true, .rest = true},
+          .needs_network = true,
+          .needs_fusion = true,
+          .needs_sigma = true,
+          .values = kalman_fusion_values,
+          .make = made<KalmanFusionEstimator>};
 }
 
 }  // namespace thermorig::estimators

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "thermorig/core/profile.h"
 #include "thermorig/estimators/estimator.h"
+#include "thermorig/estimators/table.h"
 #include "thermorig/network/estimator.h"
 #include "thermorig/network/frames_in_a_row.h"
 #include "thermorig/network/last_blocks.h"
@@ -33,8 +36,7 @@ class FramePeriod {
 /// ask: what it says of images, its gate included, does not depend on the gyro (paper eq. 2).
 class NetworkWindow {
  public:
-  /// `frame_period_s`: what the camera was set to.
-  NetworkWindow(const model::Model& model, network::Precision precision, double frame_period_s);
+  NetworkWindow(const model::Model& model, NetworkRun run, const CameraProfile& camera);
 
   /// Takes the frame, the first time that it is shown. Nothing if the window is not complete: fewer than Nf
   /// frames in a row whose pixels are in range, without lost frames or damaged bytes between them.
@@ -52,7 +54,10 @@ class NetworkWindow {
 
   network::Estimator estimator_;
   network::Scaling scaling_;
-  std::vector<float> prepared_;
+  int turned_;
+  bool is_mirror_image_;  // the camera sends mirror images of what the network has learnt
+  std::array<float, frame_pixels> mirrored_{};
+  std::vector<float> prepared_, turned_window_;
   network::LastBlocks images_;  // as prepare_frame() makes them
   std::vector<float> window_;
   FramePeriod period_;

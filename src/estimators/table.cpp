@@ -13,8 +13,9 @@
 namespace thermorig::estimators {
 
 std::span<const Entry> all_entries() {
-  static const std::array table{gyro(),        gyro_rest(), gyro_kalman(), odometer(), thermal_likelihood(),
-                                cnn_thermal(), cnn_fusion()};
+  static const std::array table{gyro(),       gyro_rest(),          gyro_kalman(),
+                                odometer(),   thermal_likelihood(), cnn_thermal(),
+                                cnn_fusion(), cnn_fusion_kalman()};
   return table;
 }
 
@@ -38,7 +39,8 @@ std::vector<std::string> names_for(const std::optional<model::Model>& model) {
   for (const Entry& entry : all_entries()) {
     const bool has_network = model || !entry.needs_network;
     const bool has_fusion = !entry.needs_fusion || (model && model->weights.shape.fusion);
-    if (has_network && has_fusion) names.emplace_back(entry.name);
+    const bool has_sigma = !entry.needs_sigma || (model && model->scaling.gate_states_sigma);
+    if (has_network && has_fusion && has_sigma) names.emplace_back(entry.name);
   }
   return names;
 }

@@ -96,7 +96,7 @@ TEST_F(EvaluateLiveTest, AReplayShowsEveryFrameAsTheRunDid) {
 }
 
 TEST_F(EvaluateLiveTest, KnowsARunWithoutANetwork) {
-  ASSERT_EQ(live("--record").code, 0);
+  ASSERT_EQ(live("--record --model none").code, 0);
   const Outcome outcome = run("evaluate --live --json recordings");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const nlohmann::json evaluated = outcome.lines().front();

@@ -147,7 +147,8 @@ TEST_F(Live, RefusesEstimatorsThatThereAreNotOrThatCannotRun) {
   const Outcome twice = run(fast + " --estimators gyro,gyro");
   EXPECT_EQ(twice.code, 2);
   EXPECT_THAT(twice.err, HasSubstr("named twice"));
-  const Outcome without = run("live --world honest --simulated=3 --fast --estimators cnn-fusion");
+  const Outcome without =
+      run("live --world honest --simulated=3 --fast --model none --estimators cnn-fusion");
   EXPECT_EQ(without.code, 2);
   EXPECT_THAT(without.err, AllOf(HasSubstr("needs a network"), HasSubstr("--model FILE")));
 }
@@ -227,11 +228,26 @@ TEST_F(Live, ASessionKeepsOneRowAFrame) {
   EXPECT_EQ(session.raw.header.live_model.frames, 3);
 }
 
-TEST_F(Live, WorksWithoutAModelAndSaysSo) {
-  const Outcome outcome = run("live --world honest --simulated=3 --fast " + plan);
+TEST_F(Live, WorksWithoutANetworkAndSaysSo) {
+  const Outcome outcome = run("live --world honest --simulated=3 --fast --model none " + plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("no model: estimators that need no network against the servo"));
-  EXPECT_THAT(outcome.out, HasSubstr("RMSE deg/s"));
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("no network (--model FILE)"), HasSubstr("RMSE in deg/s")));
+}
+
+TEST_F(Live, TakesTheGeneralModelByItself) {
+  const Outcome outcome = run("live --world honest --simulated=3 --fast --json " + plan);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.lines().front()["model"]["name"], "general-55.onnx");
+  EXPECT_EQ(outcome.lines().front()["model"]["turned"], 8);
+  const Outcome one = run("live --world honest --simulated=3 --fast --json --turned 1 " + plan);
+  EXPECT_EQ(one.lines().front()["model"]["turned"], 1);
+}
+
+TEST_F(Live, ShowsTheEstimatorsThatFitInTheTerminal) {
+  const Outcome outcome = run("live --world honest --simulated=3 --fast " + plan);
+  std::istringstream lines(outcome.out.substr(outcome.out.find("not shown here")));
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+  EXPECT_THAT(outcome.out, HasSubstr("cnn-fusion    Kg  counted\n"));
 }
 
 TEST_F(Live, RefusesWhatIsNoModel) {
@@ -265,7 +281,8 @@ TEST_F(Live, RefusesWordsThatWouldDoNothing) {
                             "live --world honest --simulated=3 --fast --new-token",
                             "live --world honest --simulated=3 --no-page --page-port 0",
                             "live --world honest --simulated=3 --no-page --new-token",
-                            "live --world honest --simulated=3 --fast --precision fp16",
+                            "live --world honest --simulated=3 --fast --model none --precision fp16",
+                            "live --world honest --simulated=3 --fast --model none --turned 8",
                             "record --world honest --simulated=3 --fast --environment garden --page-port 0",
                             "record --world honest --simulated=3 --fast --environment garden --new-token"})
     EXPECT_EQ(run(words).code, 2) << words;
@@ -553,7 +570,7 @@ TEST_F(Live, MarksRatesThatTheirEstimatorDoesNotTrustYet) {
   const Outcome outcome =
       run("live --world honest --simulated=3 --fast --estimators gyro,odometer --plan quick --speeds 60 "
           "--frames-per-leg 12");
-  EXPECT_THAT(outcome.out, HasSubstr("?: a rate that its estimator does not trust, or not yet\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("?: not reliable (yet)"));
   EXPECT_THAT(outcome.out, testing::ContainsRegex(" [+-][0-9.]+ +[+-][0-9.]+[?] ")) << "the odometer starts";
   EXPECT_THAT(outcome.out, Not(testing::ContainsRegex("[?] +[+-]"))) << "nobody doubts the gyro";
 }

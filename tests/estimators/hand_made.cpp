@@ -150,6 +150,13 @@ model::Model untrained_model(const network::Shape& shape) {
   return model;
 }
 
+model::Model untrained_model_with_sigma() {
+  model::Model model = untrained_model();
+  model.scaling = network::scaling_by_window();
+  model.scaling.gate_states_sigma = true;
+  return model;
+}
+
 bool are_same(const RateEstimate& a, const RateEstimate& b) {
   return same(a.rate_dps, b.rate_dps) && same(a.rate_sigma_dps, b.rate_sigma_dps) &&
          same(a.angle_deg, b.angle_deg) && same(a.angle_sigma_deg, b.angle_sigma_deg) && a.state == b.state &&

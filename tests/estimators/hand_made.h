@@ -47,6 +47,8 @@ std::vector<std::vector<RateEstimate>> all_estimates_of(Bank& bank,
 
 /// A network of seeded weights that has seen no training.
 model::Model untrained_model(const network::Shape& shape = {});
+/// Which scales each window, and whose gate states a sigma.
+model::Model untrained_model_with_sigma();
 
 /// Bit for bit: an unknown number equals the same unknown number.
 bool are_same(const RateEstimate& a, const RateEstimate& b);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The network's two estimators say what network::Estimator says of the same window, bit for bit.
+// The network's estimators say what network::Estimator says of the same window, bit for bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -127,6 +128,72 @@ TEST(CnnFusion, NeedsTheGyroOfEachFrameOfItsWindow) {
     }
     EXPECT_EQ(estimates[run.spoilt + 3][1].state, EstimateState::good);
   }
+}
+
+/// The rate and so on of the last frame.
+RateEstimate last_of(Bank& bank, const std::vector<Measurement>& run) {
+  return all_estimates_of(bank, run).back().front();
+}
+
+Bank bank_with_sigma(const std::string& name, NetworkRun run = {}, bool mirrored = true) {
+  RigProfile profile;
+  profile.camera.mirrored = mirrored;
+  model::Model model = untrained_model_with_sigma();
+  model.provenance.view = network::CameraView();
+  return {std::vector{name}, model, profile, run};
+}
+
+void mirror(std::vector<Measurement>& run) {
+  for (Measurement& measurement : run) {
+    auto& temp_c = measurement.frame.frame.temp_c;
+    for (auto row = temp_c.begin(); row != temp_c.end(); row += frame_columns)
+      std::reverse(row, row + frame_columns);
+  }
+}
+
+TEST(CnnFusionKalman, LeavesTheRateToAGyroWhoseBiasARestHasShown) {
+  HandMadeRig rig = rest_and_speed(4.0, 40.0, 7.0);
+  rig.duration_s = 12.0;
+  const auto run = measurements_of(rig);
+  Bank fusion = bank_with_sigma("cnn-fusion-kalman"), gyro = bank_with_sigma("gyro-kalman");
+  const RateEstimate fused = last_of(fusion, run), alone = last_of(gyro, run);
+  EXPECT_NEAR(alone.rate_dps, 40.0F, 0.2F);
+  EXPECT_NEAR(fused.rate_dps, alone.rate_dps, 0.02F);
+  EXPECT_LT(fused.values[0], 0.001F);
+  EXPECT_NEAR(fused.rate_sigma_dps, alone.rate_sigma_dps, 0.02F);
+}
+
+TEST(CnnFusionKalman, ListensToTheImagesBeforeThat) {
+  const auto run = measurements_of(HandMadeRig{.duration_s = 2.0,
+                                               .gyro_dps = [](double) { return 47.0F; },
+                                               .is_told_to_move = [](double) { return true; }});
+  Bank fusion = bank_with_sigma("cnn-fusion-kalman"), thermal = bank_with_sigma("cnn-thermal"),
+       gyro = bank_with_sigma("gyro-kalman");
+  const RateEstimate fused = last_of(fusion, run), images = last_of(thermal, run), alone = last_of(gyro, run);
+  const float gain = fused.values[0];
+  EXPECT_GT(gain, 0.1F);
+  EXPECT_NEAR(fused.rate_dps, gain * images.rate_dps + (1.0F - gain) * alone.rate_dps, 1e-3F);
+  EXPECT_LT(fused.rate_sigma_dps, images.rate_sigma_dps);
+  EXPECT_LT(fused.rate_sigma_dps, alone.rate_sigma_dps);
+}
+
+TEST(TheNetworksEstimators, OfEightTurnsSayTheOppositeOfAMirroredScene) {
+  auto run = two_seconds();
+  Bank bank = bank_with_sigma("cnn-thermal", {.turned = 8});
+  const float rate_dps = last_of(bank, run).rate_dps;
+  mirror(run);
+  Bank mirrored = bank_with_sigma("cnn-thermal", {.turned = 8});
+  EXPECT_GT(std::abs(rate_dps), 0.01F);
+  EXPECT_NEAR(last_of(mirrored, run).rate_dps, -rate_dps, 1e-3F);
+}
+
+TEST(TheNetworksEstimators, MirrorTheFramesOfACameraOfTheOtherOrientation) {
+  auto run = two_seconds();
+  Bank bank = bank_with_sigma("cnn-thermal");
+  const float rate_dps = last_of(bank, run).rate_dps;
+  mirror(run);
+  Bank other = bank_with_sigma("cnn-thermal", {}, false);
+  EXPECT_EQ(last_of(other, run).rate_dps, rate_dps);
 }
 
 }  // namespace

@@ -51,12 +51,14 @@ TEST(TheTableOfEstimators, TellsWhichCanRunWithAModel) {
   EXPECT_THAT(
       names_for(untrained_model({.fusion = false})),
       ElementsAre("gyro", "gyro-rest", "gyro-kalman", "odometer", "thermal-likelihood", "cnn-thermal"));
-  EXPECT_EQ(names_for(untrained_model()), names());
+  EXPECT_THAT(names_for(untrained_model()), ElementsAre("gyro", "gyro-rest", "gyro-kalman", "odometer",
+                                                        "thermal-likelihood", "cnn-thermal", "cnn-fusion"));
+  EXPECT_EQ(names_for(untrained_model_with_sigma()), names());
 }
 
 TEST(ABank, WithoutNamesRunsAllThatCan) {
   const Bank bank({}, untrained_model({.frames = 2, .fusion = false}), {});
-  EXPECT_EQ(bank.entries().size(), names().size() - 1);
+  EXPECT_EQ(bank.entries().size(), names().size() - 2);
   EXPECT_EQ(bank.frames(), 2);
 }
 

@@ -20,8 +20,7 @@ std::vector<Measurement> turning(double rate_dps, double contrast_k) {
 }
 
 std::vector<RateEstimate> told_of(const std::vector<Measurement>& measurements, int frames) {
-  Bank bank(std::vector<std::string>{"thermal-likelihood"}, std::nullopt, {}, network::Precision::fp32,
-            frames);
+  Bank bank(std::vector<std::string>{"thermal-likelihood"}, std::nullopt, {}, {}, frames);
   return estimates_of(bank, measurements);
 }
 

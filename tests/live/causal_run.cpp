@@ -51,7 +51,7 @@ estimators::Bank paper_bank(const std::optional<model::Model>& model, network::P
       columns_before_format_2({.name = model ? "model" : "", .fusion = model && model->weights.shape.fusion});
   std::vector<std::string> names;
   for (const EstimatorColumn& column : columns) names.push_back(column.name);
-  return {names, model, RigProfile(), precision};
+  return {names, model, RigProfile(), {.precision = precision}};
 }
 
 std::vector<EstimateRow> rows_of(const std::vector<CausalMeasurement>& measurements,

@@ -22,6 +22,7 @@ struct LiveModel {
   bool simulated = false;  // trained on data of a simulated rig
   double label_scale_dps = 200.0;
   std::string precision = "fp32";  // of its weights: fp32 or fp16
+  int turned = 1;                  // 8: the mean over each window's eight turns
 };
 
 /// An estimator of a recording: what stands at its place in the rows.

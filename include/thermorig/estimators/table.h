@@ -41,6 +41,7 @@ struct Entry {
   Inputs inputs;
   bool needs_network = false;
   bool needs_fusion = false;  // a network that has a gate
+  bool needs_sigma = false;   // a network whose gate states the sigma of its speed from the images
   bool keeps_map = false;     // that a later run can begin with
   int most_frames =
       1;  // of a window over which it finds one rate; else it finds one a frame, and says the mean
@@ -59,14 +60,21 @@ const Entry& entry(std::string_view name);
 /// The names of those that can run with this model, or without one.
 std::vector<std::string> names_for(const std::optional<model::Model>& model);
 
+/// How a network is run.
+struct NetworkRun {
+  network::Precision precision = network::Precision::fp32;
+  int turned = 1;  // 8: the mean over each window's eight turns, of a network that has learnt those
+};
+
 /// Several estimators of one run.
 class Bank {
  public:
   /// Without names: all that can run. Throws Error(bad_usage) for a name that there is not, and for one that
-  /// needs a network, or one with fusion, that `model` is not. `frames`: of the window, without a model.
+  /// needs a network, or one with fusion, that `model` is not. The model may have learnt mirror images of
+  /// what this camera sends. `frames`: of the window, without a model.
   /// `map`: of a run before, with such a lens.
   Bank(std::span<const std::string> names, const std::optional<model::Model>& model,
-       const RigProfile& profile, network::Precision precision = network::Precision::fp32, int frames = 1,
+       const RigProfile& profile, NetworkRun run = {}, int frames = 1,
        std::shared_ptr<const odometer::Map> map = nullptr);
   ~Bank();
   Bank(Bank&&) noexcept;

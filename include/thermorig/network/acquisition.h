@@ -20,6 +20,8 @@ struct RateSeries {
   std::vector<float> rate_dps;  // (N) mean over the exposures of `frames` frames, the last of them this one;
                                 // NaN where it says nothing
   int frames = 1;
+  std::vector<float>
+      bias_sigma_dps;  // (N) of its bias, as it states it, one standard deviation; NaN as above
 };
 
 /// What training and evaluation know of one session: a row a frame (N frames).

@@ -17,4 +17,11 @@ inline std::size_t gain_bin(double gain) {
   return static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(gain_bins - 1)));
 }
 
+/// The best Kg in y = Kg y_th + (1 - Kg) y_gyro (paper eq. 2) for a gyro whose bias is known within one sigma
+/// and images that state theirs: the share of the bias's variance in the sum. NaN where one is.
+inline double gain_beside(double bias_sigma_dps, double thermal_sigma_dps) {
+  const double bias_variance = bias_sigma_dps * bias_sigma_dps;
+  return bias_variance / (bias_variance + thermal_sigma_dps * thermal_sigma_dps);
+}
+
 }  // namespace thermorig::network

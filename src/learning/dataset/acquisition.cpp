@@ -37,15 +37,24 @@ std::vector<std::string> names_of(int frames) {
   return names;
 }
 
+float bias_sigma_dps(const estimators::Entry& entry, const RateEstimate& estimate) {
+  const auto value = std::ranges::find(entry.values, std::string_view("bias_sigma_dps"));
+  return value == entry.values.end()
+             ? RateEstimate::not_known
+             : estimate.values[static_cast<std::size_t>(value - entry.values.begin())];
+}
+
 void add_rates(const session::Session& session, const std::vector<std::string>& names, int frames,
                std::vector<network::RateSeries>& rates) {
-  estimators::Bank bank(names, std::nullopt, session.raw.header.profile, network::Precision::fp32, frames);
+  estimators::Bank bank(names, std::nullopt, session.raw.header.profile, {}, frames);
   const std::size_t first = rates.size();
-  for (const std::string& name : names)
-    rates.push_back({name, std::vector(session.frames.size(), RateEstimate::not_known), frames});
+  const std::vector unknown(session.frames.size(), RateEstimate::not_known);
+  for (const std::string& name : names) rates.push_back({name, unknown, frames, unknown});
   run_estimators(session, bank, [&](std::size_t frame, std::span<const RateEstimate> estimates) {
-    for (std::size_t k = 0; k < estimates.size(); ++k)
+    for (std::size_t k = 0; k < estimates.size(); ++k) {
       rates[first + k].rate_dps[frame] = estimates[k].rate_dps;
+      rates[first + k].bias_sigma_dps[frame] = bias_sigma_dps(*bank.entries()[k], estimates[k]);
+    }
   });
 }
 

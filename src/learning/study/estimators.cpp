@@ -10,10 +10,11 @@ namespace thermorig::study {
 
 namespace {
 
-constexpr std::size_t networks = 2;
+constexpr std::size_t networks = 3;
 
 std::vector<std::string> compared() {
-  std::vector<std::string> names{std::string(thermal_name), std::string(fusion_name)};
+  std::vector<std::string> names{std::string(thermal_name), std::string(fusion_name),
+                                 std::string(kalman_fusion_name)};
   for (const estimators::Entry& entry : estimators::all_entries())
     if (!entry.needs_network) names.emplace_back(entry.name);
   return names;

@@ -4,6 +4,22 @@
 
 namespace thermorig::study {
 
+namespace {
+
+/// NaN where the gate states no sigma, or the filter says nothing.
+float fused_with_kalman(const JudgedWindow& judged, const network::Acquisition& acquisition, int frames) {
+  for (const network::RateSeries& gyro : acquisition.rates) {
+    if (gyro.name != kalman_name || gyro.frames != 1) continue;
+    const float bias_sigma_dps = network::mean_rate(gyro.bias_sigma_dps, judged.window, frames);
+    const auto gain =
+        static_cast<float>(network::gain_beside(double{bias_sigma_dps}, double{judged.sigma_dps}));
+    return gain * judged.rate_dps[thermal_name] + (1.0F - gain) * judged.rate_dps[kalman_name];
+  }
+  return std::numeric_limits<float>::quiet_NaN();
+}
+
+}  // namespace
+
 std::vector<JudgedWindow> judged_windows(std::span<const network::Acquisition> acquisitions,
                                          std::span<const network::Window> windows, int frames) {
   std::vector<JudgedWindow> judged;
@@ -35,6 +51,8 @@ std::vector<JudgedWindow> judged_windows(const model::Model& model,
     judged[i].rate_dps[fusion_name] = estimates[i].fusion_dps;
     judged[i].gain = estimates[i].gain;
     judged[i].sigma_dps = estimates[i].thermal_sigma_dps;
+    judged[i].rate_dps[kalman_fusion_name] =
+        fused_with_kalman(judged[i], acquisitions[judged[i].window.acquisition], shape.frames);
   }
   return judged;
 }

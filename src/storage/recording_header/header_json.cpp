@@ -91,6 +91,7 @@ void live_model_keys(const Keys& keys, Model& model) {
   keys.required("simulated", model.simulated);
   keys.required("label_scale_dps", model.label_scale_dps);
   keys.later("precision", model.precision);
+  keys.later("turned", model.turned);
 }
 
 }  // namespace

@@ -152,6 +152,7 @@ void write_estimates_attributes(hid_t group, const Session& session) {
   set_attribute(group, "model_simulated", flag(model.simulated));
   set_attribute(group, "label_scale_dps", model.label_scale_dps);
   set_attribute(group, "model_precision", model.precision);
+  set_attribute(group, "model_turned", model.turned);
 }
 
 void write_environment_attributes(hid_t group, const Session& session) {

@@ -2,7 +2,7 @@
 import { axis, legend, number, textStyle, tooltip } from './theme.js';
 
 /** What may cover what, from below. */
-const order = ['gyro', 'gyro-rest', 'gyro-kalman', 'cnn-thermal', 'cnn-fusion'];
+const order = ['gyro', 'gyro-rest', 'gyro-kalman', 'thermal-likelihood', 'cnn-thermal', 'odometer', 'cnn-fusion', 'cnn-fusion-kalman'];
 
 /** Lines over a common axis: angle errors, errors by speed, training curves. */
 export function linesOption(chart, theme) {

@@ -5,6 +5,9 @@
 const strokes = {
   'cnn-thermal': { type: 'solid', width: 1.8 },
   'cnn-fusion': { type: 'solid', width: 1.8 },
+  'cnn-fusion-kalman': { type: [20, 5], width: 1.8 },
+  odometer: { type: [12, 3, 2, 3, 2, 3], width: 1.8 },
+  'thermal-likelihood': { type: [5, 2], width: 1.8 },
   gyro: { type: [7, 4], width: 3 },
   'gyro-rest': { type: [2, 3], width: 2 },
   'gyro-kalman': { type: [8, 3, 2, 3], width: 2 },
