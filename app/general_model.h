@@ -22,8 +22,8 @@ struct NamedModel {
   std::string hash;  // SHA-256 of the file, hexadecimal
 };
 
-/// The model file at that path; "general", where there is no such file, is the program's own for a lens of 55
-/// degrees and half frames. Throws as model::read_model().
-NamedModel named_model(const std::filesystem::path& path);
+/// The model file at that path; "general", where there is no such file, is the program's own for half frames
+/// and the lens, of 55 or 110 degrees, that is nearer to `width_deg`. Throws as model::read_model().
+NamedModel named_model(const std::filesystem::path& path, double width_deg = network::CameraView().width_deg);
 
 }  // namespace thermorig::app

@@ -28,15 +28,14 @@ std::string facts_text(const LiveEvaluation& evaluated) {
 }
 
 std::string screen_text(const live::LiveScores& scores) {
-  Table table({"on the screen", ">frames", ">MSE", ">RMSE deg/s", ">median, last minute", ">IQR",
-               ">angle deg", ">drift deg/min"});
+  Table table({"on the screen", ">frames", ">MSE", ">RMSE", ">median*", ">IQR*", ">angle deg", ">deg/min"});
   for (const live::EstimatorScores& rate : scores.estimators) {
     if (rate.frames == 0) continue;
     table.add({printable(rate.name), count_text(rate.frames), mse_text(rate.mse), rate_text(rate.rmse_dps),
                mse_text(rate.recent_median_mse), mse_text(rate.recent_iqr_mse),
                angle_text(rate.angle_error_deg), angle_text(rate.drift_deg_per_min)});
   }
-  return table.text() + "\n";
+  return table.text() + "RMSE in deg/s; * of the last minute\n\n";
 }
 
 std::string gate_text(const live::LiveScores& scores) {
@@ -46,7 +45,7 @@ std::string gate_text(const live::LiveScores& scores) {
 }
 
 std::string finalised_text(const LiveEvaluation& evaluated) {
-  Table table({"finalised labels", ">frames", ">MSE", ">RMSE deg/s", ">MSE less the screen's"});
+  Table table({"finalised labels", ">frames", ">MSE", ">RMSE", ">MSE less the screen's"});
   for (std::size_t i = 0; i < evaluated.finalised_scores.estimators.size(); ++i) {
     const live::EstimatorScores& rate = evaluated.finalised_scores.estimators[i];
     if (rate.frames == 0) continue;

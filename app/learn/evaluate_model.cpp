@@ -113,7 +113,7 @@ void write_model_report(const std::filesystem::path& folder, const model::Model&
 }  // namespace
 
 ExitCode evaluate_model(const EvaluateOptions& options) {
-  const NamedModel named = named_model(options.model);
+  NamedModel named = named_model(options.model);
   const model::Model& model = named.model;
   FrameMemory memory(options.frame_memory, options.output.empty() ? options.model : options.output);
   dataset::Acquisitions data =
@@ -121,6 +121,8 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
   const auto all_of_them = [](const Acquisition&) { return true; };
   memory.run_estimators(data, options.json, all_of_them, options.bound ? model.weights.shape.frames : 0);
   const std::vector<Acquisition>& acquisitions = data.acquisitions;
+  if (const auto& view = acquisitions.front().view; options.model == "general" && view)
+    named = named_model(options.model, view->width_deg);  // of the same shape
   ModelEvaluation evaluated;
   evaluated.evaluation = study::evaluate(judged_by(model, acquisitions, options.turned), acquisitions,
                                          {.label_scale_dps = double{model.scaling.label_scale_dps}});

@@ -8,6 +8,7 @@
 
 #include "evaluate_numbers.h"
 #include "print/output.h"
+#include "print/terminal_width.h"
 #include "thermorig/learning/report/report.h"
 
 namespace thermorig::app {
@@ -45,7 +46,7 @@ std::string tested_text(const ModelEvaluation& evaluated) {
 }
 
 std::string errors_text(const study::PerEstimator<Errors>& by_estimator, const char* truth) {
-  Table table({truth, ">windows", ">MSE", ">RMSE deg/s", ">median", ">95 %", "> >30 deg/s", ">mean error"});
+  Table table({truth, ">windows", ">MSE", ">RMSE", ">median", ">95 %", "> >30", ">mean"});
   for (const std::string& name : study::all_estimators()) {
     const Errors& errors = by_estimator[name];
     table.add({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
@@ -62,16 +63,14 @@ Table estimator_table(std::vector<std::string> header, const std::vector<std::st
   return Table(header);
 }
 
-/// MSE beside RMSE.
 std::string environments_text(const std::vector<study::EnvironmentErrors>& environments) {
-  Table table = estimator_table({"environment", ">acquisitions"}, {});
+  Table table = estimator_table({"environment", ">sessions"}, {});
   for (const study::EnvironmentErrors& environment : environments) {
     std::vector<std::string> row{environment.name, std::to_string(environment.acquisitions)};
-    for (const Errors& errors : environment.errors.values())
-      row.push_back(fmt::format("{} ({})", mse_text(errors.mse), rate_text(errors.rmse_dps)));
+    for (const Errors& errors : environment.errors.values()) row.push_back(rate_text(errors.rmse_dps));
     table.add(row);
   }
-  return "MSE (RMSE deg/s) by environment\n" + table.text() + "\n";
+  return "RMSE by environment\n" + table.wrapped(terminal_width()) + "\n";
 }
 
 std::string multiple_text(double multiple) {
@@ -91,15 +90,14 @@ std::string bounds_text(const std::optional<study::BoundErrors>& bounds) {
 
 std::string gate_text(const study::GainStatistics& gain) {
   if (gain.windows() == 0) return "";
-  return fmt::format("gate Kg: mean {}, deviation {}, median {}; below 0.02 in {}, above 0.98 in {}\n\n",
+  return fmt::format("Kg: mean {}, deviation {}, median {}; below 0.02: {}, above 0.98: {}\n\n",
                      gain_text(gain.mean), gain_text(gain.deviation), gain_text(gain.median),
                      percent_text(gain.below_002), percent_text(gain.above_098));
 }
 
 std::string sigma_text(const study::Evaluation& evaluation) {
   if (!evaluation.sigma) return "";
-  Table table({"sigma that Kg states", ">median deg/s", ">within one", ">within two", ">Kg 5 %", ">95 %",
-               ">fusion deg/s"});
+  Table table({"sigma that Kg states", ">median", ">in one", ">in two", ">Kg 5 %", ">95 %", ">fusion"});
   const auto add = [&](const std::string& name, const study::GateSigma& sigma) {
     table.add({name, rate_text(sigma.median_dps), percent_text(sigma.within_one),
                percent_text(sigma.within_two), gain_text(sigma.gain_p05), gain_text(sigma.gain_p95),
@@ -113,7 +111,7 @@ std::string sigma_text(const study::Evaluation& evaluation) {
 }
 
 std::string angles_text(const study::Evaluation& evaluation) {
-  Table table = estimator_table({"drift of the angle, deg/min"}, {">over"});
+  Table table = estimator_table({"drift, deg/min"}, {">over"});
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
     std::vector<std::string> row{evaluation.names[i]};
     for (const double drift : evaluation.angles[i].drift_deg_per_min.values())
@@ -121,15 +119,16 @@ std::string angles_text(const study::Evaluation& evaluation) {
     row.push_back(duration_text(evaluation.angles[i].integrated_s));
     table.add(row);
   }
-  return table.text();
+  return table.wrapped(terminal_width());
 }
 
 }  // namespace
 
 std::string model_text(const std::string& name, const model::Model& model, const ModelEvaluation& evaluated) {
   std::string text = facts_text(name, model) + tested_text(evaluated) +
-                     errors_text(evaluated.evaluation.errors, "against the commanded speed") +
-                     errors_text(evaluated.evaluation.shaft_errors, "against the shaft");
+                     errors_text(evaluated.evaluation.errors, "against the command") +
+                     errors_text(evaluated.evaluation.shaft_errors, "against the shaft") +
+                     "RMSE, median, 95 %, mean error: deg/s; > 30: share of errors above 30 deg/s\n\n";
   if (evaluated.evaluation.environments.size() > 1)
     text += environments_text(evaluated.evaluation.environments);
   text += bounds_text(evaluated.evaluation.bounds);

@@ -27,20 +27,20 @@ namespace {
 
 using study::SettingSummary;
 
-std::vector<std::string> row_of(const SettingSummary& summary) {
+void add_network(Table& table, const SettingSummary& summary) {
   const std::string_view own = summary.fusion ? study::fusion_name : study::thermal_name;
-  std::vector<std::string> row{std::to_string(summary.frames),
-                               std::to_string(summary.reduction),
-                               std::string(own),
-                               summary.preset,
-                               std::to_string(summary.seed),
-                               std::to_string(summary.folds),
-                               mse_text(summary.mse[own].median),
-                               mse_text(summary.mse[own].iqr),
-                               rate_text(summary.rmse_dps[own]),
-                               summary.fusion ? gain_text(summary.gain.mean) : "-"};
-  for (const std::string& name : study::baselines()) row.push_back(mse_text(summary.mse[name].median));
-  return row;
+  table.add({std::to_string(summary.frames), std::to_string(summary.reduction), std::string(own),
+             summary.preset, std::to_string(summary.seed), std::to_string(summary.folds),
+             mse_text(summary.mse[own].median), mse_text(summary.mse[own].iqr),
+             rate_text(summary.rmse_dps[own]), summary.fusion ? gain_text(summary.gain.mean) : "-"});
+}
+
+/// What needs no training, on the windows of one setting.
+void add_baselines(Table& table, const SettingSummary& summary) {
+  for (const std::string& name : study::baselines())
+    table.add({std::to_string(summary.frames), "-", name, "-", "-", std::to_string(summary.folds),
+               mse_text(summary.mse[name].median), mse_text(summary.mse[name].iqr),
+               rate_text(summary.rmse_dps[name]), "-"});
 }
 
 bool has_simulated(const std::vector<study::JobResult>& results) {
@@ -50,12 +50,14 @@ bool has_simulated(const std::vector<study::JobResult>& results) {
 
 /// The study's medians for the terminal.
 std::string study_text(const std::vector<study::JobResult>& results) {
-  std::vector<std::string> header{">Nf",    ">Nr",         "network", "preset",      ">seed",
-                                  ">folds", ">median MSE", ">IQR",    ">RMSE deg/s", ">Kg"};
-  for (const std::string& name : study::baselines()) header.push_back(">MSE of " + name);
-  Table table(header);
-  for (const SettingSummary& summary : study::summarise(results)) table.add(row_of(summary));
-  std::string text = table.text();
+  Table table({">Nf", ">Nr", "estimator", "preset", ">seed", ">folds", ">MSE", ">IQR", ">RMSE", ">Kg"});
+  const std::vector<SettingSummary> summaries = study::summarise(results);
+  for (std::size_t i = 0; i < summaries.size(); ++i) {
+    add_network(table, summaries[i]);
+    const bool ends_frames = i + 1 == summaries.size() || summaries[i + 1].frames != summaries[i].frames;
+    if (ends_frames) add_baselines(table, summaries[i]);
+  }
+  std::string text = table.text() + "MSE: median of the folds; RMSE: its root, deg/s\n";
   if (study::mixes_instruction_sets(results))
     text += fmt::format("computed with {}, which round differently\n",
                         printable(study::instruction_sets_of(results)));

@@ -107,8 +107,9 @@ bool goes_on(const model::Model& model, const TrainOptions& options, const Train
 }
 
 /// The network that was asked for. Throws Error(bad_usage) for one that this training cannot go on with.
-model::Model named_beginning(const TrainOptions& options, const TrainingConfig& config) {
-  model::Model model = named_model(options.from).model;
+model::Model named_beginning(const TrainOptions& options, const TrainingConfig& config,
+                             const network::CameraView& view) {
+  model::Model model = named_model(options.from, view.width_deg).model;
   if (goes_on(model, options, config)) return model;
   throw Error(ExitCode::bad_usage, "a training goes on only with a network of its own kind", options.from,
               "one that scales each window by itself (preset best), with the same --nf, --nr, --label-scale "
@@ -135,7 +136,8 @@ TrainingConfig completed(TrainingConfig config, const TrainOptions& options,
   }
   if (options.from == "none") return config;
   if (!options.from.empty())
-    begin_with(config, named_beginning(options, config), fs::path(options.from).filename().string());
+    begin_with(config, named_beginning(options, config, view.value_or(config.made.view)),
+               fs::path(options.from).filename().string());
   else if (view)
     if (const auto general = general_model(*view); general && goes_on(*general, options, config))
       begin_with(config, *general, general_model_name);

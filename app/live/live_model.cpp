@@ -41,7 +41,7 @@ std::optional<NamedModel> model_of(const LiveOptions& options, const CameraProfi
   if (options.model == "none" && !std::filesystem::exists(options.model, hidden)) return std::nullopt;
   const bool by_default = options.model.empty();
   if (by_default && !asks_for_network(options)) return std::nullopt;
-  NamedModel named = named_model(by_default ? "general" : options.model);
+  NamedModel named = named_model(by_default ? "general" : options.model, camera.lens_width_deg());
   const auto& view = named.model.provenance.view;
   if (by_default && !(view && view->fits(view_like(*view, camera)))) return std::nullopt;
   if (view) require_view(*view, camera, named.name);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <system_error>
 
 #include "thermorig/io/host.h"
@@ -171,16 +172,40 @@ std::vector<std::string> Table::fit(std::size_t width, const std::vector<std::st
   return left_out;
 }
 
-std::string Table::text(std::string_view indent) const {
+std::string Table::text_of(std::span<const std::size_t> columns, std::string_view indent) const {
   const std::vector<std::size_t> width = widths();
   std::string text;
   for (const auto& row : rows_) {
     std::string line(indent);
-    for (std::size_t column = 0; column < row.size(); ++column)
-      line += padded(row[column], width[column], right_[column]);
+    for (const std::size_t column : columns) line += padded(row[column], width[column], right_[column]);
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + "\n";
   }
+  return text;
+}
+
+std::string Table::text(std::string_view indent) const {
+  std::vector<std::size_t> all(right_.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return text_of(all, indent);
+}
+
+std::string Table::wrapped(std::size_t width) const {
+  const std::vector<std::size_t> needed = widths();
+  std::string text;
+  std::vector<std::size_t> columns{0};
+  std::size_t used = needed[0];
+  const auto finish = [&] { text += (text.empty() ? "" : "\n") + text_of(columns, ""); };
+  for (std::size_t column = 1; column < needed.size(); ++column) {
+    if (columns.size() > 1 && used + gap + needed[column] > width) {
+      finish();
+      columns = {0};
+      used = needed[0];
+    }
+    columns.push_back(column);
+    used += gap + needed[column];
+  }
+  finish();
   return text;
 }
 

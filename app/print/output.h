@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -85,9 +86,12 @@ class Table {
   /// others.
   std::vector<std::string> fit(std::size_t width, const std::vector<std::string>& by_importance);
   std::string text(std::string_view indent = "") const;
+  /// In as many tables below each other as lines of `width` need, each with the first column.
+  std::string wrapped(std::size_t width) const;
 
  private:
   std::vector<std::size_t> widths() const;
+  std::string text_of(std::span<const std::size_t> columns, std::string_view indent) const;
   std::size_t column_of(const std::string& heading) const;
   void remove(std::size_t column);
 

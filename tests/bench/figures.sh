@@ -12,7 +12,6 @@ cd "$(dirname "$0")/../.."
 # NAME | DOCUMENT | COMMAND. The script's first word may be run alone; its options are those of this table.
 list() {
   cat <<'LIST'
-quickstart          | README.md               | tests/bench/cold_build.sh
 thermal_likelihood  | docs/estimators.md      | tests/bench/thermal_likelihood.sh --first-seed 9001 --json
 export_sizes        | docs/export.md          | tests/bench/export_sizes.sh
 hard_typical        | docs/hard_table.md      | tests/bench/hard_table.sh --only typical --first-seed 10001

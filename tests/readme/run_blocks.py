@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Executes the command blocks of README.md as a newcomer would type them, in order, and stops at the first failure.
+"""Executes the command blocks of README.md and the tutorial as a newcomer would type them, and stops at the first failure.
 
     run_blocks.py PROJECT BUILD
 
@@ -66,10 +66,11 @@ def main(project, build):
         # The quick start builds what the tests were built from: with their preset the compiler's cache has it.
         environment = {**os.environ, "PATH": f"{build}/bin:{os.environ['PATH']}", "THERMORIG_BUILD": f"{folder}/build",
                        "THERMORIG_PRESET": "developer"}
-        for kind, body, line in blocks(pathlib.Path(project, "README.md").read_text()):
-            print(f"README.md:{line} ({kind})\n{body}", flush=True)
-            if run(kind, body, folder, environment).returncode != 0:
-                sys.exit(f"README.md:{line}: the block failed")
+        for document in ("README.md", "docs/tutorial.md"):
+            for kind, body, line in blocks(pathlib.Path(project, document).read_text()):
+                print(f"{document}:{line} ({kind})\n{body}", flush=True)
+                if run(kind, body, folder, environment).returncode != 0:
+                    sys.exit(f"{document}:{line}: the block failed")
 
 
 if __name__ == "__main__":
