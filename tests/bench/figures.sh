@@ -12,25 +12,25 @@ cd "$(dirname "$0")/../.."
 # NAME | DOCUMENT | COMMAND. The script's first word may be run alone; its options are those of this table.
 list() {
   cat <<'LIST'
-thermal_likelihood  | docs/estimators.md      | tests/bench/thermal_likelihood.sh --first-seed 9001 --json
-export_sizes        | docs/export.md          | tests/bench/export_sizes.sh
-hard_typical        | docs/hard_table.md      | tests/bench/hard_table.sh --only typical --first-seed 10001
-hard_honest         | docs/hard_table.md      | tests/bench/hard_table.sh --only honest --honest-seeds 60 --first-seed 10101
-live_latency        | docs/live.md            | tests/bench/live_latency.sh --json
-live_process        | docs/live.md            | tests/bench/live_process.sh --json
-models              | docs/models/README.md   | tests/bench/models.sh --json
-network_speeds      | docs/network_figures.md | tests/bench/network_peers.sh --json
-network_differences | docs/network_figures.md | tests/bench/network_peers.sh --json
-map_table           | docs/odometer.md        | tests/bench/map_table.sh --first-seed 901 --json
-odometer            | docs/odometer.md        | tests/bench/odometer_table.sh --first-seed 94001
-study_raw           | docs/paper_study.md     | tests/bench/paper_study.sh --draw raw
-study_calibrated    | docs/paper_study.md     | tests/bench/paper_study.sh --draw calibrated
-long_session        | docs/reliability.md     | tests/bench/long_session.sh 24
-fault_table         | docs/reliability.md     | tests/bench/fault_table.sh --json
-sync_cost           | docs/reliability.md     | tests/bench/sync_cost.sh --json
-record_peers        | docs/speed.md           | tests/bench/record_peers.sh
-timing              | docs/timing_table.md    | tests/bench/timing_table.sh
-label_choice        | docs/training.md        | tests/bench/label_choice.sh
+thermal_likelihood  | docs/estimators.md               | tests/bench/thermal_likelihood.sh --first-seed 9001 --json
+export_sizes        | docs/export.md                   | tests/bench/export_sizes.sh
+hard_typical        | docs/evidence/hard_table.md      | tests/bench/hard_table.sh --only typical --first-seed 10001
+hard_honest         | docs/evidence/hard_table.md      | tests/bench/hard_table.sh --only honest --honest-seeds 60 --first-seed 10101
+live_latency        | docs/live.md                     | tests/bench/live_latency.sh --json
+live_process        | docs/live.md                     | tests/bench/live_process.sh --json
+models              | docs/models/README.md            | tests/bench/models.sh --json
+network_speeds      | docs/evidence/network_figures.md | tests/bench/network_peers.sh --json
+network_differences | docs/evidence/network_figures.md | tests/bench/network_peers.sh --json
+map_table           | docs/odometer.md                 | tests/bench/map_table.sh --first-seed 901 --json
+odometer            | docs/odometer.md                 | tests/bench/odometer_table.sh --first-seed 94001
+study_raw           | docs/evidence/paper_study.md     | tests/bench/paper_study.sh --draw raw
+study_calibrated    | docs/evidence/paper_study.md     | tests/bench/paper_study.sh --draw calibrated
+long_session        | docs/reliability.md              | tests/bench/long_session.sh 24
+fault_table         | docs/reliability.md              | tests/bench/fault_table.sh --json
+sync_cost           | docs/reliability.md              | tests/bench/sync_cost.sh --json
+record_peers        | docs/evidence/speed.md           | tests/bench/record_peers.sh
+timing              | docs/evidence/timing_table.md    | tests/bench/timing_table.sh
+label_choice        | docs/training.md                 | tests/bench/label_choice.sh
 LIST
 }
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Worlds that do the program no favours, one effect at a time and all at once: what its labels and times are worth
-there, and whether it says so. Called by hard_table.sh, which says how; docs/hard_table.md says what it measures."""
+there, and whether it says so. Called by hard_table.sh, which says how; docs/evidence/hard_table.md says what it measures."""
 import argparse
 import concurrent.futures
 import json

@@ -3,7 +3,7 @@
 # Runs the study of the paper on the simulated rig: records the paper's 18 acquisitions twice (plan `table-one`, seeds 1 to 18, with a raw and
 # with a calibrated gyro), trains and tests (raw: both sweeps; calibrated: Nf = 3 only), keeps the small result files in
 # docs/study/{raw,calibrated}/results and draws their reports; `figures.sh study_raw study_calibrated` puts the tables
-# into docs/paper_study.md. May be stopped at any time: the same command goes on and repeats no finished training.
+# into docs/evidence/paper_study.md. May be stopped at any time: the same command goes on and repeats no finished training.
 # Usage: bash tests/bench/paper_study.sh [--recordings FOLDER] [--reports FOLDER] [--anew | --baselines | --draw GYRO]
 #   --recordings  where the sessions lie or are recorded to (default build/paper-study)
 #   --reports     where report.html and report.json go (default build/paper-study/reports)

@@ -42,7 +42,7 @@ struct Session {
 
 /// Which share of a camera's frames may be missing in a session that is usable. Each that is missing is
 /// noticed and ends a run. With one chess half in three lost all labels and times are as good as ever
-/// (docs/hard_table.md); beyond, nobody has looked.
+/// (docs/evidence/hard_table.md); beyond, nobody has looked.
 inline constexpr double most_missing_frames = 0.35;
 
 /// Figures of `/quality`, computed from a session; also what `inspect` prints.
