@@ -46,12 +46,20 @@ def limits(rows):
 
 @layout("fault_table")
 def fault_table(figures):
-    rows = [[line["fault"], f"{line['points']:,}", f"{line['clean']:,}", f"{line['loud']:,}", line["beyond"], line["silent"],
-             f"{line['worst_loss_ms']:.0f}" if line["worst_loss_ms"] > 0 else ""] for line in figures["lines"]]
-    most_ms = max(line["worst_loss_ms"] for line in figures["lines"])
-    rows.append(["**all**", f"**{figures['points']:,}**", f"{figures['clean']:,}", f"{figures['loud']:,}",
-                 f"**{figures['beyond']}**", f"**{figures['silent']}**", f"{most_ms:.0f}"])
-    return (table(["fault", "points", "clean", "loud", "beyond", "silent", "lost at most, ms"], rows)
+    """One row each place and kind of fault: "recording: EIO at one call, then power lost" is one of "recording: EIO"."""
+    rows = {}
+    for line in figures["lines"]:
+        place, _, fault = line["fault"].partition(": ")
+        name = place if place.startswith("power") or not fault else f"{place}: {re.split(r' (?:at|from) |, then', fault)[0]}"
+        row = rows.setdefault(name, [0, 0, 0, 0, 0, 0.0])
+        for column, key in enumerate(("points", "clean", "loud", "beyond", "silent")):
+            row[column] += line[key]
+        row[5] = max(row[5], line["worst_loss_ms"])
+    rows["**all**"] = [figures["points"], figures["clean"], figures["loud"], figures["beyond"], figures["silent"],
+                       max(row[5] for row in rows.values())]
+    return (table(["fault", "points", "clean", "loud", "beyond", "silent", "lost at most, ms"],
+                  [[name, *(f"{count:,}" for count in row[:5]), f"{row[5]:.0f}" if row[5] > 0 else ""]
+                   for name, row in rows.items()])
             + f"\n\n{figures['frames']} frames, {figures['calls']:,} calls; {figures['readings']:,} different disks, "
             f"{figures['recoveries']:,} of them\nrecovered to a session; {figures['took_s'] / 60:.0f} minutes.")
 
@@ -206,11 +214,30 @@ def models(reports):
                  [row(name, report) for name, report in reports.items()])
 
 
+def sections_of(text, wanted, heading="##"):
+    """Of a report those sections whose titles begin so, each to the end of its first table."""
+    parts = [part for part in re.split(rf"^{heading} ", text, flags=re.MULTILINE)[1:] if part.startswith(wanted)]
+    return "\n\n".join("### " + re.match(r"(?s).*?^\|.*?(?=\n\n|\Z)", part, re.MULTILINE)[0] for part in parts)
+
+
 @layout("study_raw", of_text=True)
+def study_raw(report):
+    return sections_of(report, ("Frames of a window", "Resolution", "Claims of the paper"))
+
+
 @layout("study_calibrated", of_text=True)
-def study(report):
-    """The report without its title, its headings below those of the page."""
-    return re.sub(r"^## ", "### ", report.split("\n", 1)[1].strip(), flags=re.MULTILINE)
+def study_calibrated(report):
+    return sections_of(report, ("Resolution", "Claims of the paper"))
+
+
+@layout("timing", of_text=True)
+def timing(text):
+    """Of loaded computers alone: idle ones are better in every figure. What is not met is told by the last line."""
+    text = re.sub(r"^\| \S+ over \S+, idle \|.*\n", "", text, flags=re.MULTILINE)
+    begin, last = text.strip().split("\n\n", 1)[0], text.strip().rsplit("\n\n", 1)[1]
+    kept = ("The servo's clock", "Camera against gyro", "Calibration of the scale", "Labels",
+            "Sample times: error RMS", "Bounds of the final times")
+    return "\n\n".join([begin, sections_of(text, kept, "###"), last])
 
 
 def body_of(name, printed):
