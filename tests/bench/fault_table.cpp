@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Every kind of fault of a disk, at every call of a recording of 200 frames and of its recovery: what is
-// left, held against what had been received. See docs/reliability.md.
+// left, held against what had been received. See docs/evidence/reliability.md.
 #include <fmt/format.h>
 #include <malloc.h>
 #include <sys/wait.h>

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Faults of the disk while 200 frames are recorded, and while that is recovered: an end or a loss of power after every
-# call, errors at some; how many such points there are, and what was left at each (docs/reliability.md). Every
+# call, errors at some; how many such points there are, and what was left at each (docs/evidence/reliability.md). Every
 # hundredth session that was recovered is opened with stock h5py. --quick: every twentieth point.
 # Usage: bash tests/bench/fault_table.sh [--json] [--quick] [options of fault_table]
 set -euo pipefail

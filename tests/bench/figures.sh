@@ -25,9 +25,9 @@ map_table           | docs/odometer.md                 | tests/bench/map_table.s
 odometer            | docs/odometer.md                 | tests/bench/odometer_table.sh --first-seed 94001
 study_raw           | docs/evidence/paper_study.md     | tests/bench/paper_study.sh --draw raw
 study_calibrated    | docs/evidence/paper_study.md     | tests/bench/paper_study.sh --draw calibrated
-long_session        | docs/reliability.md              | tests/bench/long_session.sh 24
-fault_table         | docs/reliability.md              | tests/bench/fault_table.sh --json
-sync_cost           | docs/reliability.md              | tests/bench/sync_cost.sh --json
+long_session        | docs/evidence/reliability.md     | tests/bench/long_session.sh 24
+fault_table         | docs/evidence/reliability.md     | tests/bench/fault_table.sh --json
+sync_cost           | docs/evidence/reliability.md     | tests/bench/sync_cost.sh --json
 record_peers        | docs/evidence/speed.md           | tests/bench/record_peers.sh
 timing              | docs/evidence/timing_table.md    | tests/bench/timing_table.sh
 label_choice        | docs/training.md                 | tests/bench/label_choice.sh
