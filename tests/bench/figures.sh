@@ -21,8 +21,8 @@ live_process        | docs/live.md                     | tests/bench/live_proces
 models              | docs/models/README.md            | tests/bench/models.sh --json
 network_speeds      | docs/evidence/network_figures.md | tests/bench/network_peers.sh --json
 network_differences | docs/evidence/network_figures.md | tests/bench/network_peers.sh --json
-map_table           | docs/odometer.md                 | tests/bench/map_table.sh --first-seed 901 --json
-odometer            | docs/odometer.md                 | tests/bench/odometer_table.sh --first-seed 94001
+map_table           | docs/evidence/odometer.md        | tests/bench/map_table.sh --first-seed 901 --json
+odometer            | docs/evidence/odometer.md        | tests/bench/odometer_table.sh --first-seed 94001
 study_raw           | docs/evidence/paper_study.md     | tests/bench/paper_study.sh --draw raw
 study_calibrated    | docs/evidence/paper_study.md     | tests/bench/paper_study.sh --draw calibrated
 long_session        | docs/evidence/reliability.md     | tests/bench/long_session.sh 24

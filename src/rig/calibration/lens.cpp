@@ -16,7 +16,7 @@ constexpr const char* lens_advice =
     "a session that turns slowly back and forth, by a whole turn where the servo can: `thermorig calibrate "
     "lens` without --session records one; point it at something with warm and cold edges, and run "
     "`thermorig calibrate orientation` first";
-// What a fit is off by beyond its own spread (parallax, blur), on simulated rigs: docs/odometer.md
+// What a fit is off by beyond its own spread (parallax, blur), on simulated rigs: docs/evidence/odometer.md
 // shows how pitch and distortion compare with what is stated so.
 constexpr double model_pitch = 0.002, model_distortion = 0.005, model_tilt_deg = 0.3, model_roll_deg = 0.2,
                  model_rows = 0.01;
