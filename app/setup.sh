@@ -9,7 +9,7 @@ set -euo pipefail
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
   libserialport-dev libseccomp-dev libboost-dev libhdf5-dev libfmt-dev libcli11-dev libtoml11-dev nlohmann-json3-dev
   zlib1g-dev libdeflate-dev libzstd-dev libmd-dev libeigen3-dev libonnx-dev libprotobuf-dev protobuf-compiler
-  gcc-avr avr-libc libsimavr-dev libelf-dev)
+  gcc-avr avr-libc libsimavr-dev)
 # A node that came from elsewhere brings its npm and conflicts with Debian's.
 add_node() { command -v npm >/dev/null || packages+=(nodejs npm); }
 for part in "$@"; do
