@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that thermorig needs and that are missing. Never removes one.
-# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch]   (the words add what the live page
-# and the charts of reports, tests, sanitizer runs, benchmarks, browser tests, tests on the kernel's usb-serial driver and
-# the data set for PyTorch need)
+# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch] [package]   (the words add what the live
+# page and the charts of reports, tests, sanitizer runs, benchmarks, browser tests, tests on the kernel's usb-serial driver,
+# the data set for PyTorch, and packages and their trial need)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
@@ -23,7 +23,8 @@ for part in "$@"; do
     browser) packages+=(chromium) ;;
     torch) packages+=(python3-torch python3-numpy) ;;
     usb) packages+=(qemu-system-x86 busybox-static cpio python3) ;;
-    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, torch" >&2; exit 2 ;;
+    package) add_node; packages+=(dpkg-dev lintian mandoc mmdebstrap zsh fish) ;;
+    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, torch, package" >&2; exit 2 ;;
   esac
 done
 
