@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: MIT
 # Debian packages of the present commit, in build-package/packages/: thermorig, and thermorig-avr, which is apart because it links
 # simavr (GPL-3). The same commit gives the same bytes, whichever folder it lies in.
-# Usage: bash app/package.sh [options of cmake]   (-DTHERMORIG_WERROR=ON shares compiled files with the developer's build)
-# SOURCE_DATE_EPOCH: the time of all files, seconds since 1970; default: that of the commit.
+# Usage: bash app/package.sh
+# SOURCE_DATE_EPOCH: the time of all files, seconds since 1970; default: that of the commit. THERMORIG_BUILD names another build
+# folder than build-package/, THERMORIG_PRESET another preset than release: with `build` and `developer` what is built serves.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 umask 022
@@ -18,12 +19,13 @@ fi
 export SOURCE_DATE_EPOCH
 version=$(sed -nE 's/^project\(thermorig VERSION ([0-9.]+) .*/\1/p' CMakeLists.txt)
 arch=$(dpkg --print-architecture)
-work=$PWD/build-package # one level deep, as build/ is: for the compiler cache the same files
+build=${THERMORIG_BUILD:-build-package}
+work=$PWD/build-package/packages
 maintainer='The thermorig authors <thermorig@localhost.localdomain>'
 
-cmake --preset release -B "$work" -DTHERMORIG_TESTS=OFF -DTHERMORIG_PAGE=ON -DTHERMORIG_REPORTS=ON \
-  -DCMAKE_INSTALL_PREFIX=/usr "$@" >/dev/null
-cmake --build "$work" -j "$(nproc)"
+cmake --preset "${THERMORIG_PRESET:-release}" -B "$build" -DTHERMORIG_PAGE=ON -DTHERMORIG_REPORTS=ON >/dev/null
+cmake --build "$build" -j "$(nproc)" --target thermorig thermorig-avr servo_firmware
+"$build/bin/thermorig" help --man "$build/man" # with the commit's date, whenever it was built
 
 # What the licence of a package must say: Debian's machine-readable form, of LICENSE itself.
 copyright() {
@@ -40,10 +42,10 @@ END
 # package NAME COMPONENT DEPENDS: NAME_VERSION_ARCH.deb of what the component installs. Standard input: the rest of its
 # control file.
 package() {
-  local name=$1 root=$work/packages/$1 doc
+  local name=$1 root=$work/$1 doc
   doc=$root/usr/share/doc/$name
   rm -rf "$root"
-  DESTDIR=$root cmake --install "$work" --component "$2" --strip >/dev/null
+  DESTDIR=$root cmake --install "$build" --prefix /usr --component "$2" --strip >/dev/null
   mkdir -p "$doc" "$root/DEBIAN"
   rm -f "$doc/LICENSE"
   copyright >"$doc/copyright"
@@ -54,9 +56,9 @@ package() {
   # Libraries that its programs are linked with, at the versions that they need.
   local programs needed
   mapfile -t programs < <(find "$root/usr" -type f -perm /111 | sort)
-  mkdir -p "$work/packages/debian"
-  printf 'Source: thermorig\n\nPackage: %s\n' "$name" >"$work/packages/debian/control"
-  needed=$(cd "$work/packages" && dpkg-shlibdeps -O "${programs[@]}" | sed 's/^shlibs:Depends=//')
+  mkdir -p "$work/debian"
+  printf 'Source: thermorig\n\nPackage: %s\n' "$name" >"$work/debian/control"
+  needed=$(cd "$work" && dpkg-shlibdeps -O "${programs[@]}" | sed 's/^shlibs:Depends=//')
   {
     printf 'Package: %s\nVersion: %s\nArchitecture: %s\nMaintainer: %s\n' "$name" "$version" "$arch" "$maintainer"
     printf 'Depends: %s\nInstalled-Size: %s\n' "$needed${3:+, $3}" "$(find "$root/usr" -type f -printf '%s\n' | awk '{s += $1} END {print int(s / 1024)}')"
@@ -64,7 +66,7 @@ package() {
   } >"$root/DEBIAN/control"
   (cd "$root" && find usr -type f -print0 | sort -z | xargs -0 md5sum) >"$root/DEBIAN/md5sums"
   find "$root" -exec touch -h -d "@$SOURCE_DATE_EPOCH" {} +
-  dpkg-deb --root-owner-group --build "$root" "$work/packages/${name}_${version}_$arch.deb"
+  dpkg-deb --root-owner-group --build "$root" "$work/${name}_${version}_$arch.deb"
 }
 
 package thermorig thermorig '' <<'END'
