@@ -57,7 +57,7 @@ package() {
   local programs needed
   mapfile -t programs < <(find "$root/usr" -type f -perm /111 | sort)
   mkdir -p "$work/debian"
-  printf 'Source: thermorig\n\nPackage: %s\n' "$name" >"$work/debian/control"
+  printf 'Source: thermorig\n\nPackage: %s\nArchitecture: %s\n' "$name" "$arch" >"$work/debian/control"
   needed=$(cd "$work" && dpkg-shlibdeps -O "${programs[@]}" | sed 's/^shlibs:Depends=//')
   {
     printf 'Package: %s\nVersion: %s\nArchitecture: %s\nMaintainer: %s\n' "$name" "$version" "$arch" "$maintainer"
