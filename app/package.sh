@@ -21,7 +21,7 @@ version=$(sed -nE 's/^project\(thermorig VERSION ([0-9.]+) .*/\1/p' CMakeLists.t
 arch=$(dpkg --print-architecture)
 build=${THERMORIG_BUILD:-build-package}
 work=$PWD/build-package/packages
-maintainer='The thermorig authors <thermorig@localhost.localdomain>'
+maintainer='The thermorig authors <thermorig@example.org>'
 
 cmake --preset "${THERMORIG_PRESET:-release}" -B "$build" -DTHERMORIG_PAGE=ON -DTHERMORIG_REPORTS=ON >/dev/null
 cmake --build "$build" -j "$(nproc)" --target thermorig thermorig-avr servo_firmware
