@@ -39,6 +39,18 @@ $(sed -n '5,$p' LICENSE | sed 's/^$/./; s/^/ /')
 END
 }
 
+# The licences of what is in the program itself: libraries of headers, and the scripts of its pages.
+third_party() {
+  local page=$build/src/io/web/page/node_modules charts=$build/src/learning/report/charts/node_modules file
+  for file in /usr/share/doc/{libeigen3-dev,libcli11-dev,libtoml11-dev,nlohmann-json3-dev,libboost-dev}/copyright \
+    "$page"/uplot/LICENSE "$charts"/echarts/{NOTICE,LICENSE,licenses/LICENSE-d3} "$charts"/zrender/LICENSE \
+    "$charts"/tslib/{CopyrightNotice.txt,LICENSE.txt}; do
+    printf '==== %s\n\n' "${file#"$build"/}"
+    cat "$file"
+    echo
+  done
+}
+
 # package NAME COMPONENT DEPENDS: NAME_VERSION_ARCH.deb of what the component installs. Standard input: the rest of its
 # control file.
 package() {
@@ -49,6 +61,7 @@ package() {
   mkdir -p "$doc" "$root/DEBIAN"
   rm -f "$doc/LICENSE"
   copyright >"$doc/copyright"
+  [ "$2" = avr ] || third_party | gzip -9n >"$doc/third_party_licences.gz"
   printf '%s (%s) unstable; urgency=medium\n\n  * What has changed: docs/CHANGELOG.md of the package thermorig.\n\n -- %s  %s\n' \
     "$name" "$version" "$maintainer" "$(date -u -R -d "@$SOURCE_DATE_EPOCH")" | gzip -9n >"$doc/changelog.gz"
   find "$root" -name '*.1' -exec gzip -9n {} +

@@ -29,7 +29,7 @@ void add_annotate(CLI::App& root, AnnotateOptions& options) {
   command.footer(
       "Examples:\n"
       "  thermorig annotate session.h5 --note 'the window was open'\n"
-      "  thermorig annotate session.h5 --exclude 12.5..14.0 --reason 'a hand in the image'\n"
+      "  thermorig annotate session.h5 --exclude 12.5..14.0 --reason 'a hand'\n"
       "  thermorig annotate session.h5 --undo");
 }
 

@@ -38,8 +38,8 @@ void add_build(CLI::App& command, DatasetOptions& options) {
                  "Include sessions with the verdict bad; the data card names them");
   build.add_flag("--replace", options.replace, "Replace descriptions that are there");
   build.footer(
-      "Example:\n  thermorig dataset build recordings --title 'Rotations of a kitchen' --author 'A. Person' "
-      "--licence CC-BY-4.0");
+      "Example:\n"
+      "  thermorig dataset build recordings --title Kitchen --licence CC-BY-4.0");
 }
 
 void add_split(CLI::App& command, DatasetOptions& options) {
@@ -55,8 +55,8 @@ void add_split(CLI::App& command, DatasetOptions& options) {
       ->needs(environment);
   split.add_flag("--accept-bad", options.accept_bad, "Include sessions with the verdict bad");
   split.footer(
-      "Example:\n  thermorig train $(thermorig dataset split recordings --environment garden --part "
-      "training)");
+      "Example:\n"
+      "  thermorig dataset split recordings --environment garden --part training");
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ void add_dataset(CLI::App& root, DatasetOptions& options) {
   add_split(command, options);
   command.footer(
       "Examples:\n"
-      "  thermorig dataset build recordings --title 'Rotations of a kitchen' --licence CC-BY-4.0\n"
+      "  thermorig dataset build recordings --title Kitchen --licence CC-BY-4.0\n"
       "  thermorig dataset verify recordings");
 }
 
