@@ -14,6 +14,7 @@
 #include "build_information.h"
 #include "commands.h"
 #include "help_formatter.h"
+#include "rig_options.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig::app {
@@ -210,8 +211,8 @@ std::string table(const CLI::App& command) {
   for (const CLI::Option* option : positionals(command)) add(*option);
   for (const OptionGroup& group : option_groups(command)) {
     if (group.name == last_group) continue;  // every command has these
-    if (command.get_name() != "record" &&
-        group.name.ends_with("ig")) {  // "Rig", "Simulated rig": long, and the same
+    const bool is_of_the_rig = group.name == rig_group || group.name == simulated_rig_group;
+    if (is_of_the_rig && command.get_name() != "record") {  // long, and the same
       rows += "| **" + group.name + "** | As in [record](#record) |\n";
       continue;
     }

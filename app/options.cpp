@@ -198,7 +198,7 @@ void add_simulate(CLI::App& root, Words& words) {
   command
       .add_option("--profile", simulate.profile, "Write a profile of the three ports to this file, for --rig")
       ->type_name("FILE");
-  in_group(command, "Simulated rig", [&] { add_simulated_parts(command, simulate.parts); });
+  in_group(command, simulated_rig_group, [&] { add_simulated_parts(command, simulate.parts); });
   add_json(command, simulate.json);
   command.footer("Example:\n  thermorig simulate --seed 3 --environment garden --profile simulated.toml");
 }

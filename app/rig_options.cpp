@@ -150,7 +150,7 @@ void add_folder(CLI::App& command, std::filesystem::path& folder, const std::str
 }
 
 void add_rig(CLI::App& command, RigOptions& rig) {
-  in_group(command, "Rig", [&] {
+  in_group(command, rig_group, [&] {
     add_seed(
         command, [&rig](std::uint64_t seed) { rig.simulated_seed = seed; },
         "Use the simulated rig; another SEED is another rig (default 1)");
@@ -183,7 +183,7 @@ void add_rig(CLI::App& command, RigOptions& rig) {
             "profile's)")
         ->type_name("HZ");
   });
-  in_group(command, "Simulated rig", [&] { add_simulated_parts(command, rig.parts); });
+  in_group(command, simulated_rig_group, [&] { add_simulated_parts(command, rig.parts); });
 }
 
 }  // namespace thermorig::app

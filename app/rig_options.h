@@ -18,6 +18,10 @@ namespace thermorig::app {
 
 // Words that several commands share.
 
+/// The groups of their help.
+inline constexpr const char* rig_group = "Rig";
+inline constexpr const char* simulated_rig_group = "Simulated rig";
+
 void add_json(CLI::App& command, bool& json);
 
 /// Refuses what has a minus: read as a number without a sign it would be one near 2^64.
