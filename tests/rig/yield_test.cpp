@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/sweep/yield.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "test_servos.h"
 
 #include <gmock/gmock.h>
