@@ -8,7 +8,7 @@
 
 #include "hdf5_handle.h"
 #include "stored_attributes.h"
-#include "stored_dataset.h"
+#include "chunk_writer.h"
 #include "thermorig/storage/session/session.h"
 #include "thermorig/storage/session/stored_file.h"
 
