@@ -11,7 +11,6 @@
 #include <limits>
 #include <new>
 
-#include "recording_columns.h"
 #include "attributes.h"
 #include "chunk_codec.h"
 #include "chunk_writer.h"
@@ -21,6 +20,7 @@
 #include "group_writer.h"
 #include "hdf5_handle.h"
 #include "profile_attributes.h"
+#include "recording_columns.h"
 #include "sample_columns.h"
 #include "scalars.h"
 #include "sent_bytes.h"

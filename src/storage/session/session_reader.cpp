@@ -11,7 +11,6 @@
 #include <optional>
 #include <set>
 
-#include "recording_columns.h"
 #include "attributes.h"
 #include "estimate_columns.h"
 #include "file_driver.h"
@@ -19,6 +18,7 @@
 #include "group_reader.h"
 #include "message_marks.h"
 #include "profile_attributes.h"
+#include "recording_columns.h"
 #include "sample_columns.h"
 #include "scalars.h"
 #include "sent_bytes.h"

@@ -10,10 +10,10 @@
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/rig/sweep/driven_leg.h"
-#include "thermorig/rig/sweep/servo_commander.h"
-#include "thermorig/rig/sweep/sweep_recovery.h"
 #include "thermorig/rig/sweep/quota.h"
+#include "thermorig/rig/sweep/servo_commander.h"
 #include "thermorig/rig/sweep/sweep.h"
+#include "thermorig/rig/sweep/sweep_recovery.h"
 
 namespace thermorig::rig {
 
