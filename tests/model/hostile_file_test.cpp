@@ -217,7 +217,7 @@ const Damage files[] = {
      [](EditedFile& f) { f.file().mutable_opset_import(0)->set_version(huge); }},
     {"TwoOperatorVersions", "does not say which version",
      [](EditedFile& f) { f.file().add_opset_import()->set_version(13); }},
-    {"Functions", "it has functions, sparse", [](EditedFile& f) { f.file().add_functions(); }},
+    {"Functions", "its graph has functions, sparse", [](EditedFile& f) { f.file().add_functions(); }},
     {"SparseTensors", "sparse or quantised", [](EditedFile& f) { f.graph().add_sparse_initializer(); }},
 };
 

@@ -51,7 +51,7 @@ onnx::ModelProto parse(std::span<const std::uint8_t> bytes) {
   if (file.functions_size() + file.training_info_size() + graph.quantization_annotation_size() +
           graph.sparse_initializer_size() >
       0)
-    throw Refusal("it has functions, sparse or quantised tensors, which this network has not");
+    throw Refusal("its graph has functions, sparse or quantised tensors, which this network has not");
   return file;
 }
 

@@ -206,7 +206,8 @@ void write_quality_attributes(hid_t group, const Quality& quality) {
   set_attribute(group, "check_version", "2");
 }
 
-constexpr std::size_t step_bytes = 16U << 20U;
+/// The library fills each step with zeros; more at once would be a large array for the smallest session.
+constexpr std::size_t step_bytes = 1U << 20U;
 
 /// Stands before the file: a file that grows by small steps is not copied at each.
 struct Front {
