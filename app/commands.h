@@ -28,5 +28,6 @@ ExitCode run(const EvaluateOptions& options);
 ExitCode run(const ExportOptions& options);
 ExitCode run(const VersionOptions& options);
 ExitCode run(const DoctorOptions& options);
+ExitCode run(const ManPagesOptions& options);
 
 }  // namespace thermorig::app

@@ -32,10 +32,8 @@ bool is_value_of(CLI::Option& option, std::string word) {
   return takes_value_if_joined(option) && !word.starts_with('-') && (*option.get_validator(""))(word).empty();
 }
 
-/// ": half, full" of "{half,full}" where `text` does not name them.
-std::string choices_text(const std::string& text, const std::string& choices) {
-  if (choices.empty()) return "";
-  const auto names = CLI::detail::split(choices.substr(1, choices.size() - 2), ',');
+/// ": half, full" where `text` does not name them.
+std::string choices_text(const std::string& text, const std::vector<std::string>& names) {
   const bool named = std::all_of(names.begin(), names.end(), [&](const std::string& name) {
     return text.find(name) != std::string::npos;
   });
@@ -43,6 +41,64 @@ std::string choices_text(const std::string& text, const std::string& choices) {
 }
 
 }  // namespace
+
+void in_group(CLI::App& command, const std::string& group, const std::function<void()>& add) {
+  const auto before = command.get_options();
+  add();
+  for (CLI::Option* option : command.get_options())
+    if (std::find(before.begin(), before.end(), option) == before.end() && !option->get_positional())
+      option->group(group);
+}
+
+std::vector<OptionGroup> option_groups(const CLI::App& command) {
+  std::vector<OptionGroup> groups;
+  OptionGroup last{last_group, {}};
+  const auto place_of = [&](const std::string& name) -> OptionGroup& {
+    if (name == last_group) return last;
+    for (OptionGroup& group : groups)
+      if (group.name == name) return group;
+    return groups.emplace_back(OptionGroup{name, {}});
+  };
+  for (const CLI::Option* option : command.get_options())
+    if (!option->get_positional()) place_of(option->get_group()).options.push_back(option);
+  for (const CLI::App* inner : command.get_subcommands({}))
+    if (inner->get_name().empty())
+      for (const CLI::Option* option : inner->get_options())
+        place_of(inner->get_group()).options.push_back(option);
+  if (!last.options.empty()) groups.push_back(last);
+  return groups;
+}
+
+std::vector<const CLI::Option*> positionals(const CLI::App& command) {
+  return command.get_options([](const CLI::Option* option) { return option->get_positional(); });
+}
+
+std::vector<const CLI::App*> named_commands(const CLI::App& command) {
+  return command.get_subcommands([](const CLI::App* inner) { return !inner->get_name().empty(); });
+}
+
+std::vector<std::string> choices(const CLI::Option& option) {
+  const std::string listed = value_of(option).choices;
+  if (listed.empty()) return {};
+  return CLI::detail::split(listed.substr(1, listed.size() - 2), ',');
+}
+
+std::string value_name(const CLI::Option& option) {
+  if (option.get_items_expected_max() == 0 && !takes_value_if_joined(option)) return "";
+  const std::string name = value_of(option).name;
+  return name.empty() ? "VALUE" : name;
+}
+
+std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
+  const std::vector<OptionGroup> groups = option_groups(*app);
+  for (const OptionGroup& group : groups)
+    for (const CLI::Option* option : group.options)
+      if (option->get_required()) name += " " + option->get_name() + " " + value_name(*option);
+  std::string text = make_description(app) + make_usage(app, std::move(name)) + make_positionals(app);
+  if (!named_commands(*app).empty()) text += make_subcommands(app, mode);
+  for (const OptionGroup& group : groups) text += make_group(group.name, false, group.options);
+  return text + "\n" + make_footer(app);
+}
 
 std::string HelpFormatter::make_option_name(const CLI::Option* option, bool is_positional) const {
   std::string name = CLI::Formatter::make_option_name(option, is_positional);
@@ -61,11 +117,17 @@ std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
 
 std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
   std::string text = option->get_description();
-  text += choices_text(text, value_of(*option).choices);
+  text += choices_text(text, choices(*option));
   const std::string usual = option->get_default_str();
   if (!usual.empty() && text.find("default") == std::string::npos) text += " (default " + usual + ")";
   for (const CLI::Option* needed : option->get_needs()) text += " (with " + needed->get_name() + ")";
   return text;
+}
+
+void put_help_last(CLI::App& command) {
+  for (CLI::App* inner : command.get_subcommands(nullptr)) put_help_last(*inner);
+  command.set_help_flag(command.get_name().empty() ? "" : "-h,--help", "Print this help");
+  if (command.get_help_ptr() != nullptr) command.get_help_ptr()->group(last_group);
 }
 
 void take_one_word_each(CLI::App& command) {

@@ -13,7 +13,7 @@ namespace thermorig::app {
 /// --nf and --nr.
 void add_window_shape(CLI::App& command, std::optional<int>& frames, std::optional<int>& reduction);
 /// --memory and --cache.
-void add_frame_memory(CLI::App& command, FrameOptions& options, const std::string& group);
+void add_frame_memory(CLI::App& command, FrameOptions& options);
 void add_train(CLI::App& root, TrainOptions& options);
 void add_evaluate(CLI::App& root, EvaluateOptions& options);
 void add_export(CLI::App& root, ExportOptions& options);

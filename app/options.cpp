@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "command_texts.h"
+#include "completion.h"
 #include "help_formatter.h"
 #include "learning_options.h"
 #include "live/live_options.h"
@@ -44,46 +46,65 @@ struct Words {
   bool version = false, version_json = false;
 };
 
-void add_recording_of(CLI::App& command, RecordOptions& record) {
-  add_folder(command, record.output, "Folder that holds the recordings");
-  command.add_option("--licence", record.licence, "Licence of the data, kept in the session: CC-BY-4.0")
-      ->type_name("TEXT");
-  command.add_flag("--fast", record.fast, "Virtual time: as fast as the machine can (simulated rig only)");
-  command.add_flag("-n,--dry-run", record.dry_run,
-                   "Print the plan and the checks; move nothing, write nothing");
-  command.add_flag("!--no-preflight", record.preflight,
-                   "Record with a rig that is not fit for it: what the preflight check finds is only said");
-  add_sync(command, record.sync);
-  add_replug(command, record.replug_patience_s);
+/// How a recording of this command is kept, and what may stop it.
+void add_recording_of(CLI::App& command, RecordOptions& record, const std::function<void()>& add_facts) {
+  in_group(command, "Session", [&] {
+    add_folder(command, record.output, "Folder of the recordings");
+    command
+        .add_option("--licence", record.licence, "Licence of the data, saved in the session, e.g. CC-BY-4.0")
+        ->type_name("TEXT");
+    add_facts();
+    add_sync(command, record.sync);
+  });
+  in_group(command, "Checks and faults", [&] {
+    command.add_flag("-n,--dry-run", record.dry_run, "Print the plan and the checks; move and write nothing");
+    command.add_flag("!--no-preflight", record.preflight, "Record despite failed checks (warn only)");
+    add_replug(command, record.replug_patience_s);
+  });
   add_json(command, record.json);
+}
+
+void add_fast(CLI::App& command, RecordOptions& record) {
+  command.add_flag("--fast", record.fast, "As fast as the computer can (with --simulated)");
+}
+
+void add_record_page(CLI::App& command, PageOptions& options) {
+  CLI::Option* page =
+      command.add_flag("--page", options.serve, "Show the recording on a page, for a browser");
+  add_page(command, options);
+  command.get_option("--page-port")->needs(page);
+  command.get_option("--new-token")->needs(page);
 }
 
 void add_record(CLI::App& root, Words& words) {
   RecordOptions& record = words.record;
   CLI::App& command = *root.add_subcommand("record", "Record one labelled session");
   add_environment(command, record.environment).required();
-  command.add_option("--plan", record.plan, "Sweep plan: paper, table-one, quick or a TOML file")
-      ->type_name("PLAN")
-      ->capture_default_str();
-  add_legs(command, record, "; it goes on until it has them (0: no quota)");
-  command
-      .add_option("--frames-per-window", record.frames_per_window,
-                  "Refuse speeds that cannot give so many valid frames in a row (1 to 6)")
-      ->check(CLI::Range(1, 6))
-      ->type_name("N");
-  add_recording_of(command, record);
-  command.add_flag("--check", record.check,
-                   "First `calibrate check`: record only if the profile still holds");
-  command.add_option("--operator", record.operator_name, "Who records, kept in the session")
-      ->type_name("TEXT");
-  command.add_option("--place", record.place, "Where exactly the rig stands")->type_name("TEXT");
-  command.add_option("--note", record.note, "What is to be known of this recording")->type_name("TEXT");
-  CLI::Option* page =
-      command.add_flag("--page", record.page.serve, "Serve a page that shows the recording, for a browser");
-  add_page(command, record.page);
-  command.get_option("--page-port")->needs(page);
-  command.get_option("--new-token")->needs(page);
+  add_fast(command, record);
+  in_group(command, "Sweep plan", [&] {
+    add_plan(command, record.plan);
+    add_legs(command, record, "the plan's");
+    command
+        .add_option(
+            "--frames-per-window", record.frames_per_window,
+            "Refuse speeds at which the servo's travel is too short for N valid frames in a row (1 to 6)")
+        ->check(CLI::Range(1, 6))
+        ->type_name("N");
+  });
   add_rig(command, record.rig);
+  add_recording_of(command, record, [&] {
+    command.add_option("--operator", record.operator_name, "Who records, saved in the session")
+        ->type_name("TEXT");
+    command.add_option("--place", record.place, "Where exactly the rig stands, saved in the session")
+        ->type_name("TEXT");
+    command.add_option("--note", record.note, "A note on this recording, saved in the session")
+        ->type_name("TEXT");
+  });
+  in_group(command, "Checks and faults", [&] {
+    command.add_flag("--check", record.check,
+                     "First run `calibrate check`; record only if the profile holds");
+  });
+  in_group(command, "Page", [&] { add_record_page(command, record.page); });
   command.footer(
       "Examples:\n"
       "  thermorig record --simulated=4 --environment garden --plan quick\n"
@@ -93,15 +114,13 @@ void add_record(CLI::App& root, Words& words) {
 void add_doctor(CLI::App& root, Words& words) {
   RecordOptions& record = words.doctor.record;
   record.environment = "laboratory";
-  CLI::App& command = *root.add_subcommand("doctor", "Say what stands between this machine and a recording");
-  add_folder(command, record.output, "Folder that would hold the recordings");
-  command.add_option("--plan", record.plan, "Sweep plan that would be driven")
-      ->type_name("PLAN")
-      ->capture_default_str();
+  CLI::App& command = *root.add_subcommand("doctor", "Check whether this computer and its rig can record");
+  add_folder(command, record.output, "Folder for the recordings");
+  add_plan(command, record.plan);
   add_json(command, record.json);
   add_rig(command, record.rig);
   command.footer(
-      "Moves nothing. Exit code 0, also with warnings; else that of the first check that is NOT OK.\n"
+      "Moves nothing. Exit code 0 if nothing is NOT OK, else that of the first check that is.\n"
       "Examples:\n"
       "  thermorig doctor\n"
       "  thermorig doctor --rig bench --plan paper");
@@ -109,28 +128,29 @@ void add_doctor(CLI::App& root, Words& words) {
 
 void add_calibrate(CLI::App& root, Words& words) {
   CalibrateOptions& calibrate = words.calibrate;
-  CLI::App& command =
-      *root.add_subcommand("calibrate", "Measure what a profile otherwise assumes, and keep it there");
+  CLI::App& command = *root.add_subcommand("calibrate", "Measure the rig's constants and save them");
   command
-      .add_option("WHAT", words.calibration,
-                  "bias: 60 s at rest; latency: of the camera; scale: of gyro and servo; orientation: signs; "
-                  "lens: where pixels look; "
-                  "check: whether the profile still holds")
-      ->check(CLI::IsMember(std::vector<std::string>(calibration_names.begin(), calibration_names.end())))
+      .add_option(
+          "WHAT", words.calibration,
+          "bias (of the gyro, 60 s at rest), latency (of the camera), scale (of gyro and servo), "
+          "orientation (axes and signs), lens (where each pixel looks), or check (does the profile still "
+          "hold?)")
+      ->check(one_of({calibration_names.begin(), calibration_names.end()}))
       ->required();
   command
       .add_option("--session", calibrate.sessions,
-                  "Take these sessions (.h5, or folders that hold them) instead of recording one")
+                  "Measure on these sessions (.h5, or folders of them) instead of recording one")
       ->type_name("PATH");
   command.add_option("--save", calibrate.save, "Profile to write: a name or a file (default: that of --rig)")
       ->type_name("PROFILE");
   command.add_flag("--marks", calibrate.marks,
-                   "scale: the rig is turned by hand between marks; the image is not asked");
-  command.add_option("--angle", calibrate.angle_deg, "scale: degrees between the marks (default 360)")
+                   "For scale: you turn the rig by hand between two marks; images are not used");
+  command.add_option("--angle", calibrate.angle_deg, "For scale: degrees between the marks (default 360)")
       ->type_name("DEG");
   calibrate.record.environment = calibration_environment;
-  add_recording_of(command, calibrate.record);
+  add_fast(command, calibrate.record);
   add_rig(command, calibrate.record.rig);
+  add_recording_of(command, calibrate.record, [] {});
   command.footer(
       "Examples:\n"
       "  thermorig calibrate latency --rig bench\n"
@@ -140,22 +160,22 @@ void add_calibrate(CLI::App& root, Words& words) {
 
 void add_ports(CLI::App& root, Words& words) {
   CLI::App& command = *root.add_subcommand("ports", "Find camera, gyro and servo by listening to every port");
-  command.add_option("PORT", words.ports.extra, "Listen to these ports only, e.g. pseudo terminals");
-  command.add_option("--save", words.ports.save, "Write what was found as a profile: a name or a file")
+  command.add_option("PORT", words.ports.extra, "Listen to these ports only (default: every serial port)");
+  command.add_option("--save", words.ports.save, "Save what was found as a profile: a name or a file")
       ->type_name("PROFILE");
   add_json(command, words.ports.json);
   command.footer("Example:\n  thermorig ports --save bench");
 }
 
 void add_look(CLI::App& root, Words& words) {
-  CLI::App& command = *root.add_subcommand("look", "Show what one device sends, as it comes");
-  command.add_option("PORT", words.look.port, "Its port (default: the one device that is found)");
-  command.add_option("--seconds", words.look.seconds, "End after so long (default: Ctrl-C ends it)")
+  CLI::App& command = *root.add_subcommand("look", "Show live what one device sends");
+  command.add_option("PORT", words.look.port, "Port of the device (default: the only one that is found)");
+  command.add_option("--seconds", words.look.seconds, "Stop after so many seconds (default: at Ctrl-C)")
       ->check(not_negative())
       ->type_name("S");
   add_json(command, words.look.json);
   command.footer(
-      "A camera's image, a gyro's rates and how far it has turned, a servo's firmware and angle.\n"
+      "Shows a camera's image, a gyro's rates and turned angles, a servo's firmware and angle.\n"
       "Nothing moves. Examples:\n"
       "  thermorig look\n"
       "  thermorig look /dev/ttyUSB1");
@@ -163,37 +183,39 @@ void add_look(CLI::App& root, Words& words) {
 
 void add_simulate(CLI::App& root, Words& words) {
   SimulateOptions& simulate = words.simulate;
-  CLI::App& command =
-      *root.add_subcommand("simulate", "Offer a simulated rig on three virtual ports until Ctrl-C");
-  command.add_option("--seed", simulate.seed, "Seed of the simulated world")
+  CLI::App& command = *root.add_subcommand("simulate", "Run a simulated rig on three virtual ports");
+  command.add_option("--seed", simulate.seed, "Seed of the simulated rig")
       ->check(not_negative())
       ->capture_default_str();
   add_seed(
       command, [&simulate](std::uint64_t seed) { simulate.seed = seed; },
-      "The same, as the other commands have it");
-  command.add_option("-e,--environment", simulate.environment, "laboratory, dining, kitchen or garden")
+      "The same, as other commands have it");
+  command
+      .add_option("-e,--environment", simulate.environment,
+                  "Where the rig stands; laboratory, dining, kitchen and garden have a scene of their own")
       ->type_name("NAME")
       ->capture_default_str();
-  command.add_option("--profile", simulate.profile, "Write a profile of the three ports to this file")
+  command
+      .add_option("--profile", simulate.profile, "Write a profile of the three ports to this file, for --rig")
       ->type_name("FILE");
-  add_simulated_parts(command, simulate.parts);
+  in_group(command, simulated_rig_group, [&] { add_simulated_parts(command, simulate.parts); });
   add_json(command, simulate.json);
   command.footer("Example:\n  thermorig simulate --seed 3 --environment garden --profile simulated.toml");
 }
 
 void add_inspect(CLI::App& root, Words& words) {
-  CLI::App& command =
-      *root.add_subcommand("inspect", "Say what a session holds and how good it is, or what a map shows");
+  CLI::App& command = *root.add_subcommand("inspect", "Describe sessions and maps: contents, rates, verdict");
   command
       .add_option("PATH", words.inspect.paths,
-                  "Session files (.h5), folders that hold them, or maps of `live --map`")
+                  "Session files (.h5), folders of them, or maps of `live --map`")
       ->required();
   command.add_flag("--timing", words.inspect.timing,
-                   "How well times and labels are known: clocks, offsets, scales, residuals");
-  command.add_flag("--check", words.inspect.check, "Exit code 9 if the verdict on any file is bad");
+                   "Show how well times and labels are known: clocks, offsets, scales, residuals");
+  command.add_flag("--check", words.inspect.check,
+                   "Exit with code 9 if a verdict is bad, or a file was altered");
   command
       .add_option("--html", words.inspect.html,
-                  "Write the page that `view` serves to this file, with the session in it (5 MB at most)")
+                  "Write the page that `view` serves, with the session in it, to this file (5 MB at most)")
       ->type_name("FILE");
   add_json(command, words.inspect.json);
   command.footer(
@@ -203,10 +225,9 @@ void add_inspect(CLI::App& root, Words& words) {
 }
 
 void add_view(CLI::App& root, ViewOptions& view) {
-  CLI::App& command =
-      *root.add_subcommand("view", "Show a session on a page: images, rates, validity under one cursor");
+  CLI::App& command = *root.add_subcommand("view", "Show a session in the browser: images, rates, validity");
   command.add_option("SESSION", view.file, "Session file (.h5)")->required();
-  command.add_option("--page-port", view.port, "Port of the page on this machine (0: any that is free)")
+  command.add_option("--page-port", view.port, "Port of the page on this computer (0: any free one)")
       ->check(CLI::Range(0, 65535))
       ->type_name("N")
       ->capture_default_str();
@@ -215,21 +236,24 @@ void add_view(CLI::App& root, ViewOptions& view) {
 }
 
 void add_recover(CLI::App& root, Words& words) {
-  CLI::App& command = *root.add_subcommand("recover", "Make sessions of journals that a crash left behind");
-  command.add_option("PATH", words.recover.path, "A journal, or a folder to search")->required();
+  CLI::App& command = *root.add_subcommand("recover", "Rebuild sessions after a crash");
+  command
+      .add_option("PATH", words.recover.path,
+                  "A journal, a session that was cut short, or a folder to search")
+      ->required();
   add_json(command, words.recover.json);
   command.footer("Example:\n  thermorig recover recordings");
 }
 
 void add_reprocess(CLI::App& root, Words& words) {
-  CLI::App& command = *root.add_subcommand("reprocess", "Make sessions again from their own raw bytes");
+  CLI::App& command = *root.add_subcommand("reprocess", "Rebuild sessions from their raw data");
   command
       .add_option("PATH", words.reprocess.paths,
-                  "Session files (.h5), or folders that hold them; each session is replaced")
+                  "Session files (.h5), or folders of them; each session is replaced")
       ->required();
   command
       .add_option("--rig", words.reprocess.profile,
-                  "Apply the calibrations of this profile (a name or a file) that were made later")
+                  "Apply the later calibrations of this profile: a name or a file")
       ->type_name("PROFILE");
   add_json(command, words.reprocess.json);
   command.footer("Example:\n  thermorig reprocess recordings/garden");
@@ -237,46 +261,53 @@ void add_reprocess(CLI::App& root, Words& words) {
 
 void add_text_gyro(CLI::App& command, DecodeOptions& decode) {
   command
-      .add_option("--gyro-protocol", decode.gyro_protocol,
-                  "What the gyro speaks (default: what is recognised)")
-      ->check(one_of(sensors::gyro_protocol_names()));
-  command
-      .add_option("--gyro-setting", decode.gyro_settings,
-                  "What the profile says of the protocol, e.g. raw_scale_dps=0.0573")
-      ->type_name("NAME=NUMBER");
-  command
-      .add_option("--columns", decode.columns,
-                  "Text gyro: columns of x,y,z from 0, -1 for none (default 0,1,2)")
+      .add_option("--columns", decode.columns, "Columns of x, y and z, from 0; -1: not sent (default 0,1,2)")
       ->delimiter(',')
       ->type_name("X,Y,Z");
-  command.add_option("--prefix", decode.prefix, "Text gyro: lines start with it")->type_name("TEXT");
-  command.add_option("--scale", decode.scale_dps, "Text gyro: deg/s of one unit")->capture_default_str();
-  command.add_option("--time-column", decode.time_column, "Text gyro: column of its own time, -1 for none")
+  command.add_option("--prefix", decode.prefix, "Text at the start of each line")->type_name("TEXT");
+  command.add_option("--scale", decode.scale_dps, "Value of one unit in deg/s")
+      ->type_name("DPS")
       ->capture_default_str();
-  command.add_option("--time-unit", decode.time_unit_s, "Text gyro: seconds of one unit of its time")
+  command.add_option("--time-column", decode.time_column, "Column of the gyro's own time; -1: none")
+      ->type_name("N")
+      ->capture_default_str();
+  command.add_option("--time-unit", decode.time_unit_s, "Seconds of one unit of that time")
+      ->type_name("S")
       ->capture_default_str();
 }
 
 void add_decode(CLI::App& root, Words& words) {
   DecodeOptions& decode = words.decode;
-  CLI::App& command =
-      *root.add_subcommand("decode", "Read a dump of a device's bytes: messages and counters");
-  command.add_option("--device", words.decode_device, "What the bytes come from")
-      ->check(CLI::IsMember({"camera", "gyro", "servo"}))
+  CLI::App& command = *root.add_subcommand("decode", "Decode a file of a device's raw bytes");
+  command.add_option("--device", words.decode_device, "Device that sent the bytes")
+      ->check(one_of({"camera", "gyro", "servo"}))
+      ->type_name("DEVICE")
       ->required();
-  command.add_option("FILE", decode.file, "The dump; - for standard input")->required();
-  command.add_option("--lines", decode.lines, "Messages to print, a line each (default 10, with --json all)")
+  command.add_option("FILE", decode.file, "File of raw bytes; - for standard input")->required();
+  command.add_option("--lines", decode.lines, "Messages to print (default 10, with --json all)")
       ->check(not_negative())
       ->type_name("N");
   command.add_flag("--all", decode.all, "Print every message");
-  command
-      .add_option("--camera-protocol", decode.camera_protocol,
-                  "What the camera speaks (default: what is recognised)")
-      ->check(one_of(sensors::camera_protocol_names()));
-  command.add_option("--camera-checksum", decode.camera_checksum, "How the camera's check sum is formed")
-      ->check(CLI::IsMember({"word", "byte", "ignore"}))
-      ->capture_default_str();
-  add_text_gyro(command, decode);
+  in_group(command, "Protocol", [&] {
+    command
+        .add_option("--camera-protocol", decode.camera_protocol, "Protocol of the camera (default: detected)")
+        ->check(one_of(sensors::camera_protocol_names()))
+        ->type_name("NAME");
+    command
+        .add_option("--camera-checksum", decode.camera_checksum,
+                    "Checksum of the camera: of words, of bytes, or ignored")
+        ->check(one_of({"word", "byte", "ignore"}))
+        ->type_name("KIND")
+        ->capture_default_str();
+    command.add_option("--gyro-protocol", decode.gyro_protocol, "Protocol of the gyro (default: detected)")
+        ->check(one_of(sensors::gyro_protocol_names()))
+        ->type_name("NAME");
+    command
+        .add_option("--gyro-setting", decode.gyro_settings,
+                    "Setting of the protocol, as in a profile: raw_scale_dps=0.0573; may be repeated")
+        ->type_name("NAME=NUMBER");
+  });
+  in_group(command, "Gyro that sends text", [&] { add_text_gyro(command, decode); });
   add_json(command, decode.json);
   command.footer("Example:\n  thermorig decode --device camera dump.bin");
 }
@@ -324,14 +355,26 @@ Command chosen(const CLI::App& root, Words& words) {
   return words.reprocess;
 }
 
+using CommandGroup = std::pair<const char*, std::vector<const char*>>;
+
+void group_commands(CLI::App& root, const std::vector<CommandGroup>& groups) {
+  for (const auto& [group, names] : groups)
+    for (const char* name : names) root.get_subcommand(name)->group(group);
+}
+
 void describe(CLI::App& root, Words& words) {
   root.description(
-      "thermorig: a thermal camera, a gyro and a servo on three serial ports in, labelled HDF5 sessions "
-      "out.\n"
-      "Everything works without hardware: --simulated stands for a whole rig.");
-  root.formatter(std::make_shared<HelpFormatter>());
+      "Records a thermal camera, a gyro and a servo on three serial ports into labelled HDF5 sessions, "
+      "trains a "
+      "network on them and shows it live. Everything works without hardware: --simulated stands for a whole "
+      "rig.");
+  const auto formatter = std::make_shared<HelpFormatter>();
+  formatter->label("Positionals", "Arguments");
+  formatter->label("SUBCOMMAND", "COMMAND");
+  root.formatter(formatter);
   root.require_subcommand(0, 1);
-  root.add_flag("--version", words.version, "Print version, commit, compiler and libraries");
+  root.add_flag("--version", words.version, "Print version, commit, compiler and libraries")
+      ->group(last_group);
   add_json(root, words.version_json);
   add_record(root, words);
   add_live(root, words.live);
@@ -351,14 +394,20 @@ void describe(CLI::App& root, Words& words) {
   add_train(root, words.train);
   add_evaluate(root, words.evaluate);
   add_export(root, words.export_);
+  group_commands(
+      root,
+      {{"Record", {"record", "live", "calibrate", "doctor", "ports", "look", "simulate"}},
+       {"Sessions", {"list", "inspect", "view", "annotate", "dataset", "recover", "reprocess", "decode"}},
+       {"Network", {"train", "evaluate", "export"}}});
+  put_help_last(root);
   take_one_word_each(root);
   // A shell writes out *.h5, and no file of another kind follows.
   root.get_subcommand("calibrate")->get_option("--session")->allow_extra_args();
   root.footer(
+      "Help on a command: thermorig help COMMAND, or man thermorig-COMMAND\n"
       "First steps:\n"
       "  thermorig record --simulated=4 --environment laboratory --plan quick\n"
-      "  thermorig ports\n"
-      "Exit codes and JSON keys: docs/commands.md");
+      "  thermorig ports");
 }
 
 /// What may stand after the command: its options, and commands of its own.
@@ -385,7 +434,21 @@ std::string what_to_read(const CLI::App& root) {
 /// "--speeds = 30deg" of CLI11's "Could not convert: --speeds = 30deg".
 std::string conversion_text(const std::string& what) {
   const std::string begin = "Could not convert: ";
-  return what.starts_with(begin) ? what.substr(begin.size()) + " is no number that it takes" : what;
+  return what.starts_with(begin) ? what.substr(begin.size()) + " is not a number" : what;
+}
+
+/// What is made of the commands for others than their user: `complete WORD...`, which shells call; `help
+/// --man DIR`, which the build calls; `help --tables`, which is in docs/commands.md. Nothing: the words are a
+/// user's.
+std::optional<CommandLine> texts_of_commands(const CLI::App& root, const std::vector<std::string>& words) {
+  if (words.empty()) return std::nullopt;
+  if (words.front() == "complete")
+    return CommandLine{{}, completions(root, {words.begin() + 1, words.end()})};
+  if (words.front() != "help" || words.size() < 2) return std::nullopt;
+  if (words[1] == "--tables") return CommandLine{{}, option_tables(root)};
+  if (words[1] == "--man" && words.size() == 3)
+    return CommandLine{ManPagesOptions{words[2], man_pages(root)}, ""};
+  return std::nullopt;
 }
 
 /// `thermorig help record` is `thermorig record --help`; of a command that there is not, the name is wrong.
@@ -423,11 +486,12 @@ void refuse_empty_words(int argc, const char* const* argv) {
 }  // namespace
 
 CommandLine parse(int argc, const char* const* argv) {
-  refuse_empty_words(argc, argv);
   Words words;
   CLI::App root("", "thermorig");
   describe(root, words);
   std::vector<std::string> said(argv + 1, argv + argc);
+  if (auto texts = texts_of_commands(root, said)) return *texts;
+  refuse_empty_words(argc, argv);
   take_help_as_option(root, said);
   join_values(root, said);
   std::reverse(said.begin(), said.end());  // as CLI11 takes them
@@ -435,6 +499,12 @@ CommandLine parse(int argc, const char* const* argv) {
     root.parse(std::move(said));
   } catch (const CLI::CallForHelp&) {
     return {std::nullopt, help_text(root.help(), terminal_width())};
+  } catch (const CLI::RequiredError& error) {
+    const std::vector<std::string> left =
+        root.remaining(true);  // a slip of the pen, mostly, in the word that is missing
+    throw Error(ExitCode::bad_usage,
+                left.empty() ? error.what() : "The following argument was not expected: " + left.front(), "",
+                what_to_read(root));
   } catch (const CLI::ConversionError& error) {
     throw Error(ExitCode::bad_usage, conversion_text(error.what()), "", what_to_read(root));
   } catch (const CLI::ParseError& error) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -262,10 +263,16 @@ struct VersionOptions {
   bool json = false;
 };
 
+/// Not in any help: what the build makes its man pages with.
+struct ManPagesOptions {
+  std::filesystem::path folder;
+  std::map<std::string, std::string> pages;  // by file name
+};
+
 using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
                              RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
                              ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions,
-                             AnnotateOptions, DatasetOptions, ViewOptions, LookOptions>;
+                             AnnotateOptions, DatasetOptions, ViewOptions, LookOptions, ManPagesOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <utility>
 
+#include "help_formatter.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/nearest_name.h"
 #include "thermorig/simulation/panorama.h"
@@ -38,14 +39,13 @@ CLI::Validator within(double least, double most) {
 }  // namespace
 
 void add_json(CLI::App& command, bool& json) {
-  command.add_flag("--json", json, "Print JSON on standard output, for programs");
+  command.add_flag("--json", json, "Print JSON, for programs")->group(last_group);
 }
 
 void add_sync(CLI::App& command, std::string& sync) {
   command
-      .add_option(
-          "--sync", sync,
-          "When the disk must have it: frame (each), end, or so many ms that a loss of power costs at most")
+      .add_option("--sync", sync,
+                  "Write to disk: frame (every frame), end (at the end), or every N ms (10 to 60000)")
       ->type_name("WHEN")
       ->capture_default_str();
 }
@@ -53,7 +53,7 @@ void add_sync(CLI::App& command, std::string& sync) {
 void add_replug(CLI::App& command, double& patience_s) {
   command
       .add_option("--replug-patience", patience_s,
-                  "A device that goes during the run is waited for so long (0: the end at once)")
+                  "Seconds to wait for an unplugged device (0: stop at once)")
       ->check(within(0.0, 86400.0))
       ->type_name("SECONDS")
       ->capture_default_str();
@@ -78,29 +78,29 @@ CLI::Validator not_negative() {
 void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
   command
       .add_option("--simulated-servo", parts.servo,
-                  "Servo of the simulated rig: winch (default), 180, 270, continuous")
-      ->check(CLI::IsMember({"winch", "180", "270", "continuous"}))
+                  "Servo: winch (6 turns, default), 180, 270 (degrees), continuous")
+      ->check(one_of({"winch", "180", "270", "continuous"}))
       ->type_name("KIND");
   command
       .add_option(
           "--simulated-camera", parts.camera,
-          "Fresh chess halves in a simulated frame: half (default), full; query: half, and it waits to be "
-          "asked for frames; text, binary: full, as a sketch sends them")
-      ->check(CLI::IsMember({"half", "full", "query", "text", "binary"}))
+          "Camera: half (half of the pixels are new in each frame, default), full (all are), query (as "
+          "half, sends a frame when asked), text or binary (full, as sketches send it)")
+      ->check(one_of({"half", "full", "query", "text", "binary"}))
       ->type_name("KIND");
   command
       .add_option("--simulated-gyro", parts.gyro,
-                  "Bias, scale and noise of the simulated gyro: calibrated, typical (default), raw")
-      ->check(CLI::IsMember({"calibrated", "typical", "raw"}))
+                  "Bias of the gyro: typical (about 2 deg/s, default), calibrated (0.1), raw (10)")
+      ->check(one_of({"calibrated", "typical", "raw"}))
       ->type_name("KIND");
   command
       .add_option("--scene", parts.scene,
-                  "What the simulated camera sees (default: the environment's, else laboratory)")
+                  "What the camera sees (default: the scene named like the environment, else laboratory)")
       ->check(one_of(simulation::scene_names()))
       ->type_name("NAME");
   command
       .add_option("--world", parts.world,
-                  "How hard the simulated rig makes it: honest, typical (default), hard; with knobs of it: "
+                  "How many faults the rig has: honest (few), typical (default), hard; each can be changed: "
                   "hard,gyro.bandwidth_hz=20")
       ->type_name("WORLD");
 }
@@ -115,19 +115,32 @@ void add_seed(CLI::App& command, std::function<void(std::uint64_t)> take, const 
 CLI::Option& add_environment(CLI::App& command, std::string& environment) {
   return *command
               .add_option("-e,--environment", environment,
-                          "Where the rig stands: a-z, 0-9 and '-', e.g. garden")
+                          "Where the rig stands, e.g. garden: a-z, 0-9 and '-', at most 32 characters")
               ->type_name("NAME");
 }
 
+void add_plan(CLI::App& command, std::string& plan) {
+  command
+      .add_option("--plan", plan,
+                  "Sweep plan: quick (30 s), paper (50 legs of 57 frames), table-one, or a TOML file")
+      ->type_name("PLAN")
+      ->capture_default_str();
+}
+
 void add_legs(CLI::App& command, RecordOptions& record, const std::string& quota) {
-  command.add_option("--frames-per-leg", record.frames_per_leg, "Camera frames in each leg of the plan")
+  command
+      .add_option("--frames-per-leg", record.frames_per_leg,
+                  "Camera frames in each leg (default: the plan's)")
       ->type_name("N");
   command
-      .add_option("--valid-per-leg", record.valid_per_leg, "Valid frames that each leg must bring" + quota)
+      .add_option(
+          "--valid-per-leg", record.valid_per_leg,
+          "Valid frames that each leg needs; it is driven until it has them (0: do not wait; default: " +
+              quota + ")")
       ->type_name("N");
   command
       .add_option("--speeds", record.speeds_dps,
-                  "Magnitudes to sweep, deg/s, each driven as +v and -v: 30,60,90")
+                  "Speeds in deg/s, each driven in both directions: 30,60,90 (default: the plan's)")
       ->delimiter(',')
       ->type_name("V,V,...");
 }
@@ -137,27 +150,40 @@ void add_folder(CLI::App& command, std::filesystem::path& folder, const std::str
 }
 
 void add_rig(CLI::App& command, RigOptions& rig) {
-  add_seed(
-      command, [&rig](std::uint64_t seed) { rig.simulated_seed = seed; },
-      "Use the simulated rig; =SEED chooses another world (default 1)");
-  command.add_option("--camera", rig.ports[Device::camera], "Port of the camera, e.g. /dev/ttyUSB0")
-      ->type_name("PORT");
-  command.add_option("--gyro", rig.ports[Device::gyro], "Port of the gyro")->type_name("PORT");
-  command.add_option("--servo", rig.ports[Device::servo], "Port of the servo's micro-controller")
-      ->type_name("PORT");
-  command
-      .add_option("--rig", rig.profile,
-                  "Profile that `thermorig ports --save` wrote: a name, or a file (with a '/' in it, or "
-                  "ending in .toml)")
-      ->type_name("PROFILE");
-  command.add_option("--camera-baud", rig.camera_baud, "Baud rate of the camera")->type_name("N");
-  command.add_option("--gyro-baud", rig.gyro_baud, "Baud rate of the gyro")->type_name("N");
-  command.add_option("--servo-baud", rig.servo_baud, "Baud rate of the servo link")->type_name("N");
-  command
-      .add_option("--camera-rate", rig.camera_rate_hz,
-                  "Frames a second: the camera is asked for them (0.5, 1, 2, 4 or 8 of a GY-MCU90640)")
-      ->type_name("HZ");
-  add_simulated_parts(command, rig.parts);
+  in_group(command, rig_group, [&] {
+    add_seed(
+        command, [&rig](std::uint64_t seed) { rig.simulated_seed = seed; },
+        "Use the simulated rig; another SEED is another rig (default 1)");
+    command
+        .add_option(
+            "--rig", rig.profile,
+            "Profile of the rig (from `thermorig ports --save`): a name, or a file that ends in .toml or has "
+            "a '/' in it")
+        ->type_name("PROFILE");
+    command
+        .add_option("--camera", rig.ports[Device::camera],
+                    "Port of the camera, e.g. /dev/ttyUSB0 (default: the profile's)")
+        ->type_name("PORT");
+    command.add_option("--gyro", rig.ports[Device::gyro], "Port of the gyro (default: the profile's)")
+        ->type_name("PORT");
+    command
+        .add_option("--servo", rig.ports[Device::servo], "Port of the servo board (default: the profile's)")
+        ->type_name("PORT");
+    command.add_option("--camera-baud", rig.camera_baud, "Baud rate of the camera (default: the profile's)")
+        ->type_name("N");
+    command.add_option("--gyro-baud", rig.gyro_baud, "Baud rate of the gyro (default: the profile's)")
+        ->type_name("N");
+    command
+        .add_option("--servo-baud", rig.servo_baud, "Baud rate of the servo board (default: the profile's)")
+        ->type_name("N");
+    command
+        .add_option(
+            "--camera-rate", rig.camera_rate_hz,
+            "Frames per second; the camera is asked for them (GY-MCU90640: 0.5, 1, 2, 4 or 8; default: the "
+            "profile's)")
+        ->type_name("HZ");
+  });
+  in_group(command, simulated_rig_group, [&] { add_simulated_parts(command, rig.parts); });
 }
 
 }  // namespace thermorig::app

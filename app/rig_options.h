@@ -17,6 +17,11 @@ class Validator;
 namespace thermorig::app {
 
 // Words that several commands share.
+
+/// The groups of their help.
+inline constexpr const char* rig_group = "Rig";
+inline constexpr const char* simulated_rig_group = "Simulated rig";
+
 void add_json(CLI::App& command, bool& json);
 
 /// Refuses what has a minus: read as a number without a sign it would be one near 2^64.
@@ -34,7 +39,8 @@ void add_seed(CLI::App& command, std::function<void(std::uint64_t)> take, const 
 void add_rig(CLI::App& command, RigOptions& rig);
 /// Where the rig stands.
 CLI::Option& add_environment(CLI::App& command, std::string& environment);
-/// Frames and speeds of a plan's legs. `quota`: what --valid-per-leg says of its default.
+void add_plan(CLI::App& command, std::string& plan);
+/// Frames and speeds of a plan's legs. `quota`: the default of --valid-per-leg, in words.
 void add_legs(CLI::App& command, RecordOptions& record, const std::string& quota);
 /// --output: the folder; `meaning`: what it is to the command.
 void add_folder(CLI::App& command, std::filesystem::path& folder, const std::string& meaning);

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that thermorig needs and that are missing. Never removes one.
-# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch]   (the words add what the live page
-# and the charts of reports, tests, sanitizer runs, benchmarks, browser tests, tests on the kernel's usb-serial driver and
-# the data set for PyTorch need)
+# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch] [package]   (the words add what the live
+# page and the charts of reports, tests, sanitizer runs, benchmarks, browser tests, tests on the kernel's usb-serial driver,
+# the data set for PyTorch, and packages and their trial need)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
   libserialport-dev libseccomp-dev libboost-dev libhdf5-dev libfmt-dev libcli11-dev libtoml11-dev nlohmann-json3-dev
   zlib1g-dev libdeflate-dev libzstd-dev libmd-dev libeigen3-dev libonnx-dev libprotobuf-dev protobuf-compiler
-  gcc-avr avr-libc libsimavr-dev libelf-dev)
+  gcc-avr avr-libc libsimavr-dev)
 # A node that came from elsewhere brings its npm and conflicts with Debian's.
 add_node() { command -v npm >/dev/null || packages+=(nodejs npm); }
 for part in "$@"; do
@@ -23,7 +23,8 @@ for part in "$@"; do
     browser) packages+=(chromium) ;;
     torch) packages+=(python3-torch python3-numpy) ;;
     usb) packages+=(qemu-system-x86 busybox-static cpio python3) ;;
-    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, torch" >&2; exit 2 ;;
+    package) add_node; packages+=(dpkg-dev lintian mandoc mmdebstrap zsh fish) ;;
+    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, torch, package" >&2; exit 2 ;;
   esac
 done
 

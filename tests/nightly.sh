@@ -12,9 +12,11 @@ commit=$(git rev-parse HEAD)
 export THERMORIG_EVERYTHING=1 THERMORIG_PARTS=${TMPDIR:-/tmp}/thermorig-parts.$$
 : >"$THERMORIG_PARTS"
 trap 'rm -f "$THERMORIG_PARTS"' EXIT
-bash app/setup.sh torch # half a gigabyte: too much for every run
+bash app/setup.sh torch package # half a gigabyte: too much for every run
 bash tests/run.sh
 bash tests/deep.sh "${1:-60}"
+source tests/parts.sh
+part "packages on a clean Debian" env THERMORIG_BUILD=build THERMORIG_PRESET=developer bash tests/package_test.sh
 write_last_pass "$commit" "$(date -u +%Y-%m-%d)"
 echo "everything passed at $commit; commit tests/last_passes.txt and docs/reliability.md. How long each part took:"
 cat "$THERMORIG_PARTS"

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "help_formatter.h"
 #include "rig_options.h"
 #include "thermorig/core/error.h"
 #include "thermorig/estimators/table.h"
@@ -22,32 +23,35 @@ constexpr double lowest_speed = 0.001;  // a second takes a quarter of an hour
 void add_source(CLI::App& command, LiveCommandLine& words) {
   LiveOptions& live = words.options;
   add_environment(command, live.record.environment).capture_default_str();
-  command.add_option("--plan", live.record.plan, "Sweep plan: quick, paper, table-one or a TOML file")
-      ->type_name("PLAN")
-      ->capture_default_str();
-  add_legs(command, live.record, " (0: no quota, the default)");
-  command.add_flag("--loop", live.loop, "The plan again and again, until it is stopped");
+  command.add_flag("--fast", live.record.fast,
+                   "As fast as the computer can; with --simulated, and without a page");
   command.add_option("--replay", live.replay, "Replay this session (.h5) instead of driving a rig")
       ->type_name("SESSION");
-  command.add_option("--speed", words.speed, "Of a replay: 1 as it was, 10 ten times as fast, max")
+  command
+      .add_option("--speed", words.speed,
+                  "Speed of the replay: 1 (default), 10 (ten times as fast), max (as fast as possible)")
       ->type_name("N");
-  command.add_flag("--fast", live.record.fast,
-                   "Virtual time: as fast as the machine can (simulated rig only)");
+  command.add_flag("--tui", live.tui, "Draw the image and the rates in the terminal");
+  add_replug(command, live.record.replug_patience_s);
+  in_group(command, "Sweep plan", [&] {
+    add_plan(command, live.record.plan);
+    add_legs(command, live.record, "0 without --record");
+    command.add_flag("--loop", live.loop, "Repeat the plan until Ctrl-C");
+  });
 }
 
 void add_result(CLI::App& command, LiveCommandLine& words) {
   LiveOptions& live = words.options;
-  command.add_flag("--record", live.keep, "Keep a session, with the estimates in it");
-  add_folder(command, live.record.output, "Folder that holds the recordings (with --record)");
-  command
-      .add_option("--licence", live.record.licence,
-                  "Licence of the data, kept in the session (with --record)")
-      ->type_name("TEXT");
-  command.add_flag("!--no-preflight", live.record.preflight,
-                   "With --record: keep a session of a rig that is not fit for it");
-  command.add_flag("--tui", live.tui, "Draw the image and the rates on the terminal");
-  add_sync(command, live.record.sync);
-  add_replug(command, live.record.replug_patience_s);
+  in_group(command, "Session", [&] {
+    command.add_flag("--record", live.keep, "Save a session, with the estimates in it");
+    add_folder(command, live.record.output, "Folder of the recordings (with --record)");
+    command
+        .add_option("--licence", live.record.licence, "Licence of the data, e.g. CC-BY-4.0 (with --record)")
+        ->type_name("TEXT");
+    command.add_flag("!--no-preflight", live.record.preflight,
+                     "Record despite failed checks: warn only (with --record)");
+    add_sync(command, live.record.sync);
+  });
   add_json(command, live.record.json);
 }
 
@@ -132,53 +136,55 @@ void check(const LiveCommandLine& words) {
 }  // namespace
 
 void add_page(CLI::App& command, PageOptions& page) {
-  command.add_option("--page-port", page.port, "Port of the page on this machine (0: any that is free)")
+  command.add_option("--page-port", page.port, "Port of the page on this computer (0: any free one)")
       ->check(CLI::Range(0, 65535))
       ->type_name("N")
       ->capture_default_str();
-  command.add_flag("--new-token", page.new_token, "A new token: pages that are open must be opened anew");
-  command.add_flag("--control", page.control, "The page may start motion, and motion waits for its Start");
+  command.add_flag("--new-token", page.new_token, "Make a new token: open pages must be opened again");
+  command.add_flag("--control", page.control, "Start motion from the page: nothing moves before its Start");
 }
 
 void add_live(CLI::App& root, LiveCommandLine& words) {
   LiveOptions& live = words.options;
   live.record.environment = "laboratory";
   live.record.plan = "quick";
-  CLI::App& command =
-      *root.add_subcommand("live", "Show the network's estimate against the servo while the rig moves");
-  command
-      .add_option("-m,--model", live.model,
-                  "Model (.onnx) that `thermorig train` wrote, or none (default: the general model, where "
-                  "the lens fits)")
-      ->type_name("FILE");
-  command
-      .add_option("--precision", live.precision, "Of the network's weights: fp32, or fp16, half the memory")
-      ->check(CLI::IsMember({"fp32", "fp16"}))
-      ->type_name("KIND")
-      ->capture_default_str();
-  command
-      .add_option(
-          "--turned", live.turned,
-          "8: the network's mean over each window's eight turns (default, where it has learnt them); 1: "
-          "the window alone")
-      ->check(CLI::IsMember({1, 8}))
-      ->type_name("N");
-  command.add_option("--estimators", live.estimators, "Those to run, by name (default: all that can)")
-      ->check(one_of(estimators::names()))
-      ->delimiter(',')
-      ->type_name("NAME,...");
-  command
-      .add_option("--map", live.map,
-                  "The odometer's map: begun with if it is there, so that headings are since its origin, and "
-                  "written at the end")
-      ->type_name("FILE");
+  CLI::App& command = *root.add_subcommand("live", "Show estimates against the servo while the rig moves");
   words.command = &command;
   add_source(command, words);
-  add_result(command, words);
-  command.add_flag("--page", words.page, "Serve the page for a browser (default, but with --fast)");
-  command.add_flag("--no-page", words.no_page, "Serve no page");
-  add_page(command, live.record.page);
+  in_group(command, "Estimators", [&] {
+    command
+        .add_option(
+            "-m,--model", live.model,
+            "Model (.onnx) from `thermorig train`, general or none (default: general, where it has learnt "
+            "the lens)")
+        ->type_name("FILE");
+    command
+        .add_option("--turned", live.turned,
+                    "Looks at each window: 8, mirrored and so on (default, where learnt), or 1")
+        ->check(CLI::IsMember({1, 8}))
+        ->type_name("N");
+    command.add_option("--precision", live.precision, "Weight precision: fp32, or fp16 (half the memory)")
+        ->check(one_of({"fp32", "fp16"}))
+        ->type_name("KIND")
+        ->capture_default_str();
+    command
+        .add_option("--estimators", live.estimators,
+                    "Estimators to run, in this order (default: all that can)")
+        ->check(one_of(estimators::names()))
+        ->delimiter(',')
+        ->type_name("NAME,...");
+    command
+        .add_option("--map", live.map,
+                    "Map of the odometer: read if the file is there, and written at the end")
+        ->type_name("FILE");
+  });
   add_rig(command, live.record.rig);
+  add_result(command, words);
+  in_group(command, "Page", [&] {
+    command.add_flag("--page", words.page, "Serve the page for a browser (default, except with --fast)");
+    command.add_flag("--no-page", words.no_page, "Serve no page");
+    add_page(command, live.record.page);
+  });
   command.footer(
       "Examples:\n"
       "  thermorig live --simulated=4\n"

@@ -15,8 +15,7 @@
 #include "thermorig/io/files/disk.h"
 #include "thermorig/io/port.h"
 #include "thermorig/pipeline/timing/link_timing.h"
-#include "thermorig/rig/sweep/expected_size.h"
-#include "thermorig/rig/sweep/yield.h"
+#include "thermorig/rig/sweep/plan.h"
 
 namespace thermorig::app {
 

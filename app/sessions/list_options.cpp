@@ -7,25 +7,25 @@
 namespace thermorig::app {
 
 void add_list(CLI::App& root, ListOptions& options) {
-  CLI::App& command = *root.add_subcommand("list", "Say which sessions there are, a line each");
-  command.add_option("FOLDER", options.paths, "Folders that are searched, or session files (.h5)")
+  CLI::App& command = *root.add_subcommand("list", "List sessions");
+  command.add_option("FOLDER", options.paths, "Folders to search, or session files (.h5)")
       ->default_str("recordings");
-  command.add_option("-e,--environment", options.environments, "Only of this environment; may be repeated")
+  command.add_option("-e,--environment", options.environments, "Only this environment; may be repeated")
       ->type_name("NAME");
-  command.add_option("--plan", options.plans, "Only of this plan; may be repeated")->type_name("NAME");
-  command
-      .add_option("--verdict", options.verdicts, "Only with this verdict: good, usable, bad; may be repeated")
-      ->check(CLI::IsMember({"good", "usable", "bad"}))
+  command.add_option("--plan", options.plans, "Only this plan; may be repeated")->type_name("NAME");
+  command.add_option("--verdict", options.verdicts, "Only this verdict: good, usable, bad; may be repeated")
+      ->check(one_of({"good", "usable", "bad"}))
       ->type_name("WORD");
-  CLI::Option* simulated = command.add_flag("--simulated", options.simulated, "Only of the simulated rig");
-  command.add_flag("--real", options.real, "Only of real rigs")->excludes(simulated);
+  CLI::Option* simulated =
+      command.add_flag("--simulated", options.simulated, "Only sessions of the simulated rig");
+  command.add_flag("--real", options.real, "Only sessions of real rigs")->excludes(simulated);
   command
       .add_option(
           "--sort", options.sort,
-          "environment (and number, default), date, verdict (the worst first), valid (the fewest first)")
-      ->check(CLI::IsMember({"environment", "date", "verdict", "valid"}))
+          "Order: environment (and number, default), date, verdict (worst first), valid (fewest first)")
+      ->check(one_of({"environment", "date", "verdict", "valid"}))
       ->type_name("WORD");
-  command.add_flag("--reverse", options.reverse, "The other way round");
+  command.add_flag("--reverse", options.reverse, "Reverse the order");
   add_json(command, options.json);
   command.footer(
       "Examples:\n"

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # What the general model is worth in rooms that it has never seen, and with --refined one that `train` has made of it and
-# of 17 recordings: simulated rooms, world honest, raw gyro, plan table-one, errors against the shaft. Says of each goal
+# of 17 recordings: simulated rooms, world honest unless another is named, raw gyro, plan table-one, errors against the shaft. Says of each goal
 # whether it is met.
-# Usage: bash tests/bench/network_worth.sh [--json] [--first-seed N] [--rooms N] [--lens 55|110] [--refined]
+# Usage: bash tests/bench/network_worth.sh [--json] [--first-seed N] [--rooms N] [--lens 55|110] [--world W] [--refined]
 #   --first-seed   of the rooms (1001); choose one that nobody has looked at
 #   --rooms        an environment (2)
 #   --refined      also records the 18 acquisitions of Table I in build/paper-study/raw, where they are not there, and
@@ -11,15 +11,16 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 source tests/bench/recordings.sh
-json=0 first=1001 rooms=2 refined=0 lens=55
+json=0 first=1001 rooms=2 refined=0 lens=55 world=honest
 while [ $# -gt 0 ]; do
   case "$1" in
     --json) json=1 ;;
     --first-seed) first=$2; shift ;;
     --rooms) rooms=$2; shift ;;
     --lens) lens=$2; shift ;;
+    --world) world=$2; shift ;;
     --refined) refined=1 ;;
-    *) echo "usage: network_worth.sh [--json] [--first-seed N] [--rooms N] [--lens 55|110] [--refined]" >&2; exit 2 ;;
+    *) echo "usage: network_worth.sh [--json] [--first-seed N] [--rooms N] [--lens 55|110] [--world W] [--refined]" >&2; exit 2 ;;
   esac
   shift
 done
@@ -32,7 +33,7 @@ seed=$first
 for environment in laboratory dining kitchen garden; do
   for _ in $(seq "$rooms"); do
     echo "recording $environment, seed $seed" >&2
-    "$thermorig" record --environment "$environment" --simulated="$seed" --rig "$folder/rig.toml" --world honest --fast \
+    "$thermorig" record --environment "$environment" --simulated="$seed" --rig "$folder/rig.toml" --world "$world" --fast \
       --plan table-one \
       --simulated-gyro raw --output "$folder/rooms" --json >"$folder/record.log" 2>&1 || { cat "$folder/record.log" >&2; exit 1; }
     seed=$((seed + 1))

@@ -41,7 +41,7 @@ std::vector<Misconfiguration> wrong_machines() {
            std::filesystem::permissions(host.root() / "dev/ttyUSB0", std::filesystem::perms(0600));
          });
        },
-       "camera port", "may not be opened", "usermod -aG dialout anna", ExitCode::no_permission},
+       "camera port", "may not be opened", "60-thermorig.rules", ExitCode::no_permission},
       {"put into the group, not logged in again", [] { return host_with(take_group_away); }, "user",
        "does not know it yet", "log out and in again", std::nullopt},
       {"another program holds the port",
@@ -232,6 +232,25 @@ TEST(Misconfigurations, AnFtdiAsItComesIsNone) {
   ASSERT_NE(latency, checks.end());
   EXPECT_EQ(latency->grade(), "ok");
   EXPECT_THAT(latency->result, ::testing::HasSubstr("asks for 1 ms"));
+}
+
+TEST(Misconfigurations, TheRulesOfThePackageKeepBrlttyOffAndNeedNoGroup) {
+  const auto checks = host_with([](const MadeHost& host) {
+    host.write("/usr/lib/udev/rules.d/85-brltty.rules",
+               "ENV{PRODUCT}==\"1a86/7523/*\", ENV{BRLTTY_BRAILLE_DRIVER}=\"bm\"\n");
+    for (const std::string name : {"60-thermorig.rules", "91-thermorig-brltty.rules"})
+      std::filesystem::copy_file(THERMORIG_SOURCE_DIR "/app/packaging/" + name,
+                                 host.root() / "usr/lib/udev/rules.d" / name);
+    take_group_away(host);
+    host.write("/etc/group", user_outside);
+  });
+  const auto named = [&](const std::string& name) {
+    return *std::find_if(checks.begin(), checks.end(),
+                         [&](const Check& check) { return check.name == name; });
+  };
+  EXPECT_EQ(named("brltty").result, "it takes no adapter that a rig uses");
+  EXPECT_EQ(named("user").result, "anna may open the ports without being in the group dialout");
+  EXPECT_FALSE(named("user").warning);
 }
 
 TEST(Misconfigurations, WhereNothingIsPluggedInThatIsSaid) {

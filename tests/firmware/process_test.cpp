@@ -42,7 +42,7 @@ TEST(AvrFirmware, IsNoneWhereTheImageIsMissing) {
 TEST(AvrFirmware, SaysSoWhenItsProcessDies) {
   Libexec libexec;
   libexec.put("thermorig-avr", "#!/bin/sh\nexit 3\n");
-  libexec.put("servo_firmware.elf", "");
+  libexec.put("servo_firmware.hex", "");
   const auto firmware = make_avr_firmware();
   ASSERT_NE(firmware, nullptr);
   EXPECT_THROW(firmware->run_until(1000), Error);

@@ -11,6 +11,12 @@ namespace thermorig::doctor {
 
 namespace {
 
+/// There are some, and udev gave them to whoever sits at the machine.
+bool may_open_all(const std::vector<PortFacts>& ports) {
+  return !ports.empty() &&
+         std::all_of(ports.begin(), ports.end(), [](const PortFacts& port) { return port.may_open; });
+}
+
 Check user_check(const HostFacts& facts) {
   Check check{.name = "user"};
   const std::string user = facts.user.empty() ? "this user" : facts.user;
@@ -26,6 +32,8 @@ Check user_check(const HostFacts& facts) {
     check.result =
         fmt::format("{} was put into the group {}, but this login does not know it yet", user, group);
     check.advice = "log out and in again";
+  } else if (facts.has_port_rules && may_open_all(facts.ports)) {
+    check.result = fmt::format("{} may open the ports without being in the group {}", user, group);
   } else {
     check.warning = true;
     check.result = fmt::format("{} is not in the group {}, which serial ports belong to", user, group);
@@ -50,6 +58,8 @@ Check access_failure(const PortFacts& port, const HostFacts& facts) {
     check.code = ExitCode::no_permission;
     check.result += " may not be opened by this user";
     check.advice = user_check(facts).advice;
+    if (!check.advice.empty() && !facts.has_port_rules)
+      check.advice += "; or, at its own screen: install 60-thermorig.rules (docs/doctor.md)";
     if (check.advice.empty()) check.advice = "see who owns it: ls -l " + shell_word(port.asked.path);
   } else if (port.holder) {
     check.code = ExitCode::no_permission;
@@ -107,7 +117,8 @@ Check braille_check(const HostFacts& facts) {
       "sudo apt remove brltty, or switch its rule off: sudo ln -s /dev/null /etc/udev/rules.d/" +
       facts.braille_rule.substr(facts.braille_rule.rfind('/') + 1) +
       " && sudo udevadm control --reload; then unplug the adapter and plug it in again";
-  if (facts.braille_adapters.empty()) {
+  const bool kept_off = facts.braille_kept_off && facts.adapters_without_port.empty();
+  if (facts.braille_adapters.empty() || kept_off) {
     check.result = "it takes no adapter that a rig uses";
   } else if (!facts.adapters_without_port.empty()) {
     if (asked_port_is_missing(facts))
@@ -140,8 +151,8 @@ Check modem_check(const HostFacts& facts) {
     check.warning = true;
     check.result = "it runs: it writes modem commands to new ports for about 10 s";
     check.advice =
-        "sudo systemctl mask --now ModemManager, or a udev rule that sets "
-        "ENV{ID_MM_PORT_IGNORE}=\"1\" for these ports";
+        "sudo systemctl mask --now ModemManager, or install 60-thermorig.rules, which sets ID_MM_PORT_IGNORE "
+        "(docs/doctor.md)";
   }
   return check;
 }

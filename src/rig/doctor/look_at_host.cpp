@@ -45,8 +45,8 @@ std::string lower(std::string text) {
 /// The rules in force: a file in /etc or /run stands for one of the same name in /usr/lib.
 std::vector<RuleFile> udev_rules(const fs::path& root) {
   std::map<std::string, fs::path> by_name;  // later folders win: udev(7), "Rules files"
-  for (const char* folder :
-       {"lib/udev/rules.d", "usr/lib/udev/rules.d", "run/udev/rules.d", "etc/udev/rules.d"}) {
+  for (const char* folder : {"lib/udev/rules.d", "usr/lib/udev/rules.d", "usr/local/lib/udev/rules.d",
+                             "run/udev/rules.d", "etc/udev/rules.d"}) {
     std::error_code missing;
     for (fs::directory_iterator file(root / folder, missing), end; !missing && file != end;
          file.increment(missing))
@@ -202,9 +202,17 @@ std::vector<AskedPort> usb_ports(const fs::path& root) {
   return ports;
 }
 
-void look_for_braille(const fs::path& root, HostFacts& facts) {
-  for (const RuleFile& file : udev_rules(root)) {
-    if (file.path.filename().string().find("brltty") == std::string::npos) continue;
+void look_at_rules(const fs::path& root, HostFacts& facts) {
+  const std::vector<RuleFile> rules = udev_rules(root);
+  const auto has = [&](std::string_view name) {
+    return std::any_of(rules.begin(), rules.end(),
+                       [&](const RuleFile& file) { return file.path.filename() == name; });
+  };
+  facts.has_port_rules = has("60-thermorig.rules");
+  facts.braille_kept_off = has("91-thermorig-brltty.rules");
+  for (const RuleFile& file : rules) {
+    const std::string name = file.path.filename();
+    if (name.find("brltty") == std::string::npos || name.starts_with("91-thermorig")) continue;
     for (const char* id : braille_like_ids)
       if (std::any_of(file.lines.begin(), file.lines.end(),
                       [id](const std::string& rule) { return names_device(rule, id); })) {
@@ -287,7 +295,7 @@ HostFacts look_at_host(const fs::path& root, const std::vector<AskedPort>& asked
   look_at_groups(root, process, facts);
   for (const AskedPort& port : asked.empty() ? usb_ports(root) : asked)
     facts.ports.push_back(look_at_port(root, port, process));
-  look_for_braille(root, facts);
+  look_at_rules(root, facts);
   look_for_lost_adapters(root, facts);
   facts.modem_manager = runs(root, "ModemManager");
   look_at_processor(root, facts);

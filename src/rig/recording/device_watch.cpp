@@ -10,7 +10,7 @@
 #include "device_presence.h"
 #include "thermorig/io/files/holder.h"
 #include "thermorig/rig/discovery/detect.h"
-#include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/sensors/device_stream.h"
 
 namespace thermorig::rig {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// thermorig-avr IMAGE.elf: runs the servo firmware's AVR image in simavr, in lock step with thermorig.
+// thermorig-avr IMAGE.hex: runs the servo firmware's AVR image in simavr, in lock step with thermorig.
 // This source is MIT; the executable links libsimavr, so as a whole it is distributed under the GPL,
 // version 3. thermorig itself never links it: they talk through pipes
 // (thermorig/simulated_ports/lock_step.h).
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
-#include <simavr/sim_elf.h>
+#include <simavr/sim_hex.h>
 #include <simavr/sim_time.h>
 #include <unistd.h>
 
@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
+#include <memory>
 #include <vector>
 
 #include "thermorig/simulation/simulated_ports/lock_step.h"
@@ -92,15 +93,17 @@ void connect_uart(Machine& machine) {
 }
 
 void load(Machine& machine, const char* path) {
-  elf_firmware_t image{};
-  if (elf_read_firmware(path, &image) != 0) fail("cannot read the image");
+  std::uint32_t size = 0, begin = 0;
+  const std::unique_ptr<std::uint8_t, decltype(&std::free)> image(read_ihex_file(path, &size, &begin),
+                                                                  std::free);
+  if (image == nullptr) fail("cannot read the image");
   machine.avr = avr_make_mcu_by_name("atmega328p");
   if (machine.avr == nullptr) fail("simavr does not know the ATmega328P");
   avr_init(machine.avr);
   machine.avr->log = LOG_NONE;
   machine.avr->frequency = 1'000'000 * cycles_per_us;
   machine.avr->sleep = do_not_wait;
-  avr_load_firmware(machine.avr, &image);
+  avr_loadcode(machine.avr, image.get(), size, begin);
   connect_uart(machine);
   avr_irq_register_notify(avr_io_getirq(machine.avr, AVR_IOCTL_IOPORT_GETIRQ('B'), 2), on_servo_pin,
                           &machine);
@@ -150,7 +153,7 @@ bool read_request(Machine& machine, RunRequest& request) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) fail("usage: thermorig-avr IMAGE.elf");
+  if (argc != 2) fail("usage: thermorig-avr IMAGE.hex");
   std::FILE* replies = fdopen(dup(STDOUT_FILENO), "wb");
   if (replies == nullptr || std::freopen("/dev/null", "w", stdout) == nullptr)
     fail("cannot set up its output");

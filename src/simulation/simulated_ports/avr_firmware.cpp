@@ -33,12 +33,15 @@ struct Paths {
 
 std::optional<Paths> find_paths() {
   std::error_code error;
-  const char* set = std::getenv("THERMORIG_LIBEXEC");
-  const fs::path folder =
-      set != nullptr ? fs::path(set) : fs::read_symlink("/proc/self/exe", error).parent_path();
-  const Paths paths{folder / "thermorig-avr", folder / "servo_firmware.elf"};
-  if (!fs::is_regular_file(paths.program, error) || !fs::is_regular_file(paths.image, error)) return {};
-  return paths;
+  const auto found = [&](const fs::path& libexec, const fs::path& data) -> std::optional<Paths> {
+    const Paths paths{libexec / "thermorig-avr", data / "servo_firmware.hex"};
+    if (!fs::is_regular_file(paths.program, error) || !fs::is_regular_file(paths.image, error)) return {};
+    return paths;
+  };
+  if (const char* set = std::getenv("THERMORIG_LIBEXEC")) return found(set, set);
+  const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path();
+  const auto built = found(beside, beside);
+  return built ? built : found(beside / THERMORIG_LIBEXEC_FROM_BIN, beside / THERMORIG_DATA_FROM_BIN);
 }
 
 [[noreturn]] void throw_dead(const std::string& why) {

@@ -37,9 +37,11 @@ struct HostFacts {
   std::string serial_group;            // "dialout" (Debian) or "uucp"; empty if there is none
   bool in_group = false;               // this process is
   bool group_file_names_user = false;  // the next login will be
+  bool has_port_rules = false;         // 60-thermorig.rules is in force
   std::vector<PortFacts> ports;
   std::string braille_rule;                        // file of udev rules that gives our adapters to brltty
   std::vector<std::string> braille_adapters;       // usb ids that it takes
+  bool braille_kept_off = false;                   // by 91-thermorig-brltty.rules
   std::vector<std::string> adapters_without_port;  // plugged in, of these ids, and no port has appeared
   bool modem_manager = false;                      // runs
   std::string clock_source;                        // "tsc"; empty if the system does not say
