@@ -232,8 +232,7 @@ def study_calibrated(report):
 
 @layout("timing", of_text=True)
 def timing(text):
-    """Of loaded computers, as idle ones are better in every figure, and of all servos together. The last line tells what is
-    not met."""
+    """Of loaded computers, as idle ones are easier, and of all servos together. The last line tells what is not met."""
     text = re.sub(r"^\| (\S+ over \S+, idle|calibrated, \S+) \|.*\n", "", text, flags=re.MULTILINE)
     begin, last = text.strip().split("\n\n", 1)[0], text.strip().rsplit("\n\n", 1)[1]
     kept = ("The servo's clock", "Camera against gyro", "Calibration of the scale", "Labels",
