@@ -14,7 +14,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/core/nearest_name.h"
 #include "thermorig/sensors/camera_protocol.h"
-#include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/gyro_sketch.h"
 
 namespace thermorig::app {
 
@@ -237,9 +237,12 @@ void add_reprocess(CLI::App& root, Words& words) {
 
 void add_text_gyro(CLI::App& command, DecodeOptions& decode) {
   command
-      .add_option("--gyro-protocol", decode.gyro_protocol,
-                  "What the gyro speaks (default: what is recognised)")
-      ->check(one_of(sensors::gyro_protocol_names()));
+      .add_option(
+          "--gyro-protocol", decode.gyro_protocol,
+          "What the gyro speaks, or the sketch whose lines it prints: xsens, adafruit-mpu6050 (default: "
+          "what is recognised; a word that is not known lists them)")
+      ->check(known_name(sensors::gyro_names()))
+      ->type_name("NAME");
   command
       .add_option("--gyro-setting", decode.gyro_settings,
                   "What the profile says of the protocol, e.g. raw_scale_dps=0.0573")
