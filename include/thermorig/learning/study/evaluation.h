@@ -17,12 +17,12 @@
 
 namespace thermorig::study {
 
-// Estimators that are asked for by name: the two of the network, and what it is fed with beside images.
+// Estimators that are asked for by name: those of the network, and what it is fed with beside images.
 inline constexpr std::string_view thermal_name = "cnn-thermal", fusion_name = "cnn-fusion",
                                   kalman_fusion_name = "cnn-fusion-kalman", gyro_name = "gyro",
                                   kalman_name = "gyro-kalman";
 
-/// Who is compared, by the names of the table (estimators/table.h): the two of the network, then all that
+/// Who is compared, by the names of the table (estimators/table.h): those of the network, then all that
 /// need none.
 std::span<const std::string> all_estimators();
 
