@@ -16,7 +16,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/core/nearest_name.h"
 #include "thermorig/sensors/camera_protocol.h"
-#include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/gyro_sketch.h"
 
 namespace thermorig::app {
 
@@ -299,8 +299,11 @@ void add_decode(CLI::App& root, Words& words) {
         ->check(one_of({"word", "byte", "ignore"}))
         ->type_name("KIND")
         ->capture_default_str();
-    command.add_option("--gyro-protocol", decode.gyro_protocol, "Protocol of the gyro (default: detected)")
-        ->check(one_of(sensors::gyro_protocol_names()))
+    command
+        .add_option("--gyro-protocol", decode.gyro_protocol,
+                    "Protocol of the gyro, or the sketch whose lines it prints: xsens, adafruit-mpu6050, ... "
+                    "(default: detected)")
+        ->check(known_name(sensors::gyro_names()))
         ->type_name("NAME");
     command
         .add_option("--gyro-setting", decode.gyro_settings,

@@ -18,11 +18,12 @@ namespace thermorig::app {
 
 /// What a simulated rig differs in from the default one.
 struct SimulatedParts {
-  std::optional<std::string> servo;   // winch (default), 180, 270, continuous
-  std::optional<std::string> camera;  // half (default), full: fresh halves a frame
-  std::optional<std::string> gyro;    // calibrated, typical (default), raw: bias and scale
-  std::optional<std::string> scene;   // what the camera sees; none: the environment's own
-  std::optional<std::string> world;   // as simulation::world_named() takes it; none: the default one
+  std::optional<std::string> servo;          // winch (default), 180, 270, continuous
+  std::optional<std::string> camera;         // half (default), full: fresh halves a frame
+  std::optional<std::string> gyro;           // calibrated, typical (default), raw: bias and scale
+  std::optional<std::string> gyro_protocol;  // or a sketch; none: the profile's
+  std::optional<std::string> scene;          // what the camera sees; none: the environment's own
+  std::optional<std::string> world;          // as simulation::world_named() takes it; none: the default one
 };
 
 /// Which rig: a simulated one, three ports, or a profile; and what differs from its defaults.
@@ -31,6 +32,7 @@ struct RigOptions {
   PerDevice<std::string> ports;                 // empty: from the profile
   std::string profile;                          // name or file, empty: none
   SimulatedParts parts;
+  std::string gyro_protocol;  // or a sketch; empty: the profile's
   std::optional<std::uint32_t> camera_baud, gyro_baud, servo_baud;
   std::optional<double> camera_rate_hz;
 };
@@ -177,6 +179,7 @@ struct DecodeOptions {
   Device device = Device::camera;
   std::string file;                            // "-": standard input
   std::string camera_protocol, gyro_protocol;  // empty: what is recognised
+  std::string gyro_sketch;                     // of lines of text; empty: none named
   std::vector<std::string> gyro_settings;      // NAME=NUMBER
   std::vector<int> columns{0, 1, 2};
   std::string prefix;

@@ -12,6 +12,7 @@
 #include "help_formatter.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/nearest_name.h"
+#include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/simulation/panorama.h"
 
 namespace thermorig::app {
@@ -59,13 +60,19 @@ void add_replug(CLI::App& command, double& patience_s) {
       ->capture_default_str();
 }
 
+CLI::Validator known_name(std::vector<std::string> names) {
+  return {[names = std::move(names)](const std::string& name) {
+            if (std::find(names.begin(), names.end(), name) != names.end()) return std::string();
+            return fmt::format("\"{}\" is not known: {}", name, advice_on_name(name, names));
+          },
+          ""};
+}
+
 CLI::Validator one_of(std::vector<std::string> names) {
   std::string listed = fmt::format("{{{}}}", fmt::join(names, ","));
-  const auto problem = [names = std::move(names)](const std::string& name) {
-    if (std::find(names.begin(), names.end(), name) != names.end()) return std::string();
-    return fmt::format("\"{}\" is not known: {}", name, advice_on_name(name, names));
-  };
-  return {problem, std::move(listed)};
+  CLI::Validator validator = known_name(std::move(names));
+  validator.description(std::move(listed));
+  return validator;
 }
 
 CLI::Validator not_negative() {
@@ -93,6 +100,12 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
                   "Bias of the gyro: typical (about 2 deg/s, default), calibrated (0.1), raw (10)")
       ->check(one_of({"calibrated", "typical", "raw"}))
       ->type_name("KIND");
+  command
+      .add_option(
+          "--simulated-gyro-protocol", parts.gyro_protocol,
+          "What the simulated gyro speaks, at its usual rate (default witmotion): vectornav, text, ...")
+      ->check(known_name(sensors::gyro_names()))
+      ->type_name("NAME");
   command
       .add_option("--scene", parts.scene,
                   "What the camera sees (default: the scene named like the environment, else laboratory)")
@@ -169,6 +182,13 @@ void add_rig(CLI::App& command, RigOptions& rig) {
     command
         .add_option("--servo", rig.ports[Device::servo], "Port of the servo board (default: the profile's)")
         ->type_name("PORT");
+    command
+        .add_option(
+            "--gyro-protocol", rig.gyro_protocol,
+            "What the gyro speaks, or the sketch whose lines it prints, at its usual rate: vectornav, "
+            "adafruit-mpu6050, ... (default: the profile's)")
+        ->check(known_name(sensors::gyro_names()))
+        ->type_name("NAME");
     command.add_option("--camera-baud", rig.camera_baud, "Baud rate of the camera (default: the profile's)")
         ->type_name("N");
     command.add_option("--gyro-baud", rig.gyro_baud, "Baud rate of the gyro (default: the profile's)")

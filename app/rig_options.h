@@ -32,6 +32,8 @@ void add_sync(CLI::App& command, std::string& sync);
 /// --replug-patience: how long a device is waited for that goes.
 void add_replug(CLI::App& command, double& patience_s);
 /// A word that must be one of `names`; for any other the nearest is named.
+CLI::Validator known_name(std::vector<std::string> names);
+/// The same; help lists the names.
 CLI::Validator one_of(std::vector<std::string> names);
 void add_simulated_parts(CLI::App& command, SimulatedParts& parts);
 /// --simulated[=SEED]. Parsing throws Error(bad_usage) unless it is a whole number from 0 to 2^64 - 1.

@@ -81,12 +81,31 @@ void refuse_said(const LiveCommandLine& words, std::initializer_list<const char*
 void check_words_without_effect(const LiveCommandLine& words) {
   const LiveOptions& live = words.options;
   if (live.replay)
-    refuse_said(words, {"--environment",    "--plan",        "--frames-per-leg",  "--valid-per-leg",
-                        "--speeds",         "--fast",        "--output",          "--camera",
-                        "--gyro",           "--servo",       "--camera-baud",     "--gyro-baud",
-                        "--servo-baud",     "--camera-rate", "--simulated-servo", "--simulated-camera",
-                        "--simulated-gyro", "--world",       "--no-preflight",    "--replug-patience",
-                        "--sync",           "--licence"},
+    refuse_said(words,
+                {"--environment",
+                 "--plan",
+                 "--frames-per-leg",
+                 "--valid-per-leg",
+                 "--speeds",
+                 "--fast",
+                 "--output",
+                 "--camera",
+                 "--gyro",
+                 "--servo",
+                 "--camera-baud",
+                 "--gyro-baud",
+                 "--servo-baud",
+                 "--camera-rate",
+                 "--simulated-servo",
+                 "--simulated-camera",
+                 "--simulated-gyro",
+                 "--gyro-protocol",
+                 "--simulated-gyro-protocol",
+                 "--world",
+                 "--no-preflight",
+                 "--replug-patience",
+                 "--sync",
+                 "--licence"},
                 "is for a rig; a replay takes all that from its session");
   if (!live.keep)
     refuse_said(words, {"--output", "--licence"}, "is for a session, and none is kept without --record");

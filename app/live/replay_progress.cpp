@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/rig/sweep/plan.h"
 
 namespace thermorig::app {
 

@@ -59,6 +59,7 @@ nlohmann::json format_json(const sensors::TextFormat& format) {
           {"refusal", format.refusal},
           {"question", sensors::open_question(format)},
           {"assumptions", format.assumptions},
+          {"sketch", format.sketch},
           {"remarks", format.remarks}};
 }
 

@@ -4,6 +4,7 @@
 #include "profile_path.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
+#include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/simulation/panorama.h"
 #include "thermorig/storage/recording_header/profile_fields.h"
 
@@ -23,11 +24,13 @@ void check_words(const RigOptions& options) {
     throw Error(ExitCode::bad_usage, "--simulated and ports exclude each other", "",
                 "--simulated alone, or --camera, --gyro and --servo");
   const SimulatedParts& parts = options.parts;
-  if (!simulated && (parts.servo || parts.camera || parts.gyro || parts.scene || parts.world))
+  if (!simulated &&
+      (parts.servo || parts.camera || parts.gyro || parts.gyro_protocol || parts.scene || parts.world))
     throw Error(
         ExitCode::bad_usage,
-        "--simulated-servo, --simulated-camera, --simulated-gyro, --scene and --world need --simulated", "",
-        "--simulated=4");
+        "--simulated-servo, --simulated-camera, --simulated-gyro, --simulated-gyro-protocol, --scene and "
+        "--world need --simulated",
+        "", "--simulated=4");
 }
 
 void check_ports(const RigProfile& profile, const PerDevice<bool>& needed) {
@@ -62,6 +65,7 @@ void check_ports_differ(const RigProfile& profile) {
 }
 
 void apply(const RigOptions& options, RigProfile& profile) {
+  if (!options.gyro_protocol.empty()) sensors::choose_gyro(options.gyro_protocol, profile.gyro);
   for (Device device : all_devices)
     if (!options.ports[device].empty()) profile.link(device).port = options.ports[device];
   if (options.camera_baud) profile.camera.link.baud = *options.camera_baud;
@@ -108,6 +112,7 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
   config.half_fresh = camera != "full" && !is_sketch;
   if (is_sketch) config.profile.camera.protocol = camera;
   if (camera == "query") config.camera_start = simulation::CameraStart::when_asked;
+  if (parts.gyro_protocol) sensors::choose_gyro(*parts.gyro_protocol, config.profile.gyro);
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));
   simulation::put_in_world(

@@ -15,8 +15,8 @@
 #include "thermorig/io/files/disk.h"
 #include "thermorig/io/port.h"
 #include "thermorig/pipeline/timing/link_timing.h"
-#include "thermorig/rig/sweep/expected_size.h"
-#include "thermorig/rig/sweep/yield.h"
+#include "thermorig/rig/sweep/plan.h"
+#include "thermorig/sensors/gyro_sketch.h"
 
 namespace thermorig::app {
 
@@ -40,6 +40,11 @@ Check check_link(Device device, const RigProfile& profile) {
   if (const double most_hz = std::floor(budget.max_rate_hz * 10.0) / 10.0; most_hz > 0.0)
     check.advice += fmt::format(", or at most {:.1f} /s", most_hz);
   return check;
+}
+
+/// What its rates are not, where that is known of the kind of gyro.
+Check check_rates(const std::string& remark) {
+  return {.name = "gyro rates", .result = remark, .warning = true};
 }
 
 Check check_port(Device device, const RigProfile& profile) {
@@ -173,6 +178,15 @@ Check failed_check(const std::string& name, const Error& error) {
           .advice = error.advice()};
 }
 
+void print_remark_on_rates(const RigProfile& profile, bool json) {
+  const std::string remark = sensors::remark_on_rates(profile.gyro);
+  if (remark.empty()) return;
+  if (json)
+    print_json({{"event", "note"}, {"message", remark}});
+  else
+    print("note  {}\n", printable(remark));
+}
+
 double recording_bytes_per_s(const RigProfile& profile) {
   double bytes_per_s = 0;
   for (const Device device : all_devices) bytes_per_s += rig::link_load(device, profile).bytes_per_s();
@@ -183,6 +197,8 @@ std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& 
                                  const rig::SweepPlan& plan) {
   std::vector<Check> checks{check_plan(options, rig, plan)};
   for (Device device : all_devices) checks.push_back(check_link(device, rig.profile));
+  if (const std::string remark = sensors::remark_on_rates(rig.profile.gyro); !remark.empty())
+    checks.push_back(check_rates(remark));
   if (!rig.simulated)
     for (Device device : all_devices) checks.push_back(check_port(device, rig.profile));
   checks.push_back(check_output(options, rig.profile, plan));

@@ -17,6 +17,8 @@ namespace thermorig::app {
 using doctor::Check;
 
 /// One line a check, and below them what to try.
+/// Before a recording: what is to be known of the rates of such a gyro, if anything.
+void print_remark_on_rates(const RigProfile& profile, bool json);
 void print_checks(const std::vector<Check>& checks);
 nlohmann::json check_json(const Check& check);
 

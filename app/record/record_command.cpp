@@ -18,6 +18,7 @@ ExitCode run(const RecordOptions& options) {
   require_output(options, rig, plan);
   if (options.check)
     if (const ExitCode exit = check_before_recording(options, rig); exit != ExitCode::ok) return exit;
+  print_remark_on_rates(rig.profile, options.json);
   const RecordSummary summary = record_session(options, rig, plan);
   print_summary(summary, options.json);
   require_told(summary);

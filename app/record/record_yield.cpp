@@ -8,7 +8,7 @@
 
 #include "print/number_json.h"
 #include "print/output.h"
-#include "thermorig/rig/sweep/yield.h"
+#include "thermorig/rig/sweep/plan.h"
 
 namespace thermorig::app {
 

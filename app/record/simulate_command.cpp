@@ -45,8 +45,11 @@ void announce(const SimulateOptions& options, const simulation::VirtualRigConfig
   for (Device device : all_devices) table.add({std::string(name_of(device)), paths[device]});
   print("{}\n", table.text());
   if (!options.profile.empty()) print("profile  {}\n", printable(options.profile));
-  print("next  thermorig record --environment {} --camera {} --gyro {} --servo {}\nCtrl-C ends it\n",
-        printable(options.environment), paths[Device::camera], paths[Device::gyro], paths[Device::servo]);
+  const std::string protocol =
+      options.parts.gyro_protocol ? " --gyro-protocol " + *options.parts.gyro_protocol : std::string();
+  print("next  thermorig record --environment {} --camera {} --gyro {}{} --servo {}\nCtrl-C ends it\n",
+        printable(options.environment), paths[Device::camera], paths[Device::gyro], protocol,
+        paths[Device::servo]);
   flush_output();
 }
 

@@ -10,6 +10,7 @@
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/gyro_sketch.h"
 
 namespace thermorig::app {
 
@@ -50,12 +51,14 @@ std::string scale_options(const sensors::TextFormat& format) {
 }
 
 /// What lines of text say, and the options that read them; empty if there is no text.
-Advice advice_on_text(Bytes head) {
+Advice advice_on_text(const DecodeOptions& options, Bytes head) {
   if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start)) {
+    const GyroProfile profile{.sketch = options.gyro_sketch, .text = text_columns(options)};
     std::string reason =
         shown(format->sample_line, format->fields + (format->columns.prefix.empty() ? 0 : 1));
     if (!format->refusal.empty()) return {reason + ": " + format->refusal, format->advice};
     for (const std::string& more : format->remarks) reason += ": " + more;
+    if (const std::string why = sensors::contradiction(profile, *format); !why.empty()) reason += ": " + why;
     const std::string question = sensors::open_question(*format);
     if (!question.empty()) reason += ": " + question;
     return {reason, "--device gyro " + options_text(format->columns) + scale_options(*format) + " (" +
@@ -176,7 +179,7 @@ Advice advice_on_nothing(const DecodeOptions& options, std::span<const std::uint
     return {"", advice_on_camera(options, head)};
   if (counters.bytes_received > 0 && counters.bytes_pending == counters.bytes_received)
     return {"", "a longer dump: this one ends within its first message"};
-  Advice text = advice_on_text(head);
+  Advice text = advice_on_text(options, head);
   if (!text.what_to_try.empty()) return text;
   return {"nothing in them is known",
           "another baud rate when the dump is taken, or another device: wrong rates give "
@@ -200,13 +203,13 @@ std::vector<std::string> remarks_on(const DecodeOptions& options, const Recognit
                     "columns may mean something else",
                     count_text(counters.layout_changes)));
   if (is_mostly_bad(counters))
-    remarks.push_back("most lines could not be read: " + in_one(advice_on_text(head)));
+    remarks.push_back("most lines could not be read: " + in_one(advice_on_text(options, head)));
   else if (recognition.text_format)
     remarks.insert(remarks.end(), recognition.text_format->remarks.begin(),
                    recognition.text_format->remarks.end());
   else if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
            format && speaks_for_others(*format, options))
-    remarks.push_back("the lines speak for other columns: " + in_one(advice_on_text(head)));
+    remarks.push_back("the lines speak for other columns: " + in_one(advice_on_text(options, head)));
   return remarks;
 }
 

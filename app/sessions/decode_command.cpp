@@ -26,6 +26,7 @@
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::app {
@@ -117,6 +118,7 @@ void set(const std::string& word, GyroProfile& profile) {
 GyroProfile gyro_profile(const DecodeOptions& options, const Recognition& recognition) {
   GyroProfile profile;
   profile.protocol = options.gyro_protocol;
+  profile.sketch = options.gyro_sketch;
   profile.settings = recognition.settings;
   for (const std::string& word : options.gyro_settings) set(word, profile);
   profile.text = recognition.text_format ? recognition.text_format->columns : text_columns(options);
@@ -245,8 +247,26 @@ bool names_columns(const DecodeOptions& options) {
 
 constexpr std::size_t telling_of_gyro = 1 << 13, telling_of_camera = 1 << 15;  // two images as text
 
+/// The options that a sketch's name stands for. Those that are given beside it win.
+DecodeOptions with_sketch(DecodeOptions options) {
+  const sensors::GyroSketch* const sketch = sensors::find_gyro_sketch(options.gyro_protocol);
+  if (sketch == nullptr) return options;
+  options.gyro_sketch = sketch->name;
+  options.gyro_protocol = "text";
+  const DecodeOptions usual;
+  const TextColumns& text = sketch->columns;
+  if (options.columns == usual.columns) options.columns.assign(text.rate.begin(), text.rate.end());
+  if (options.prefix.empty()) options.prefix = text.prefix;
+  if (options.scale_dps == usual.scale_dps) options.scale_dps = text.scale_dps;
+  if (options.time_column != usual.time_column) return options;
+  options.time_column = text.time;
+  options.time_unit_s = text.time_unit_s;
+  return options;
+}
+
 /// How a camera or a gyro is read that no option names.
 DecodeOptions completed(DecodeOptions options, ByteSource& source, Learnt& learnt) {
+  options = with_sketch(std::move(options));
   if (options.device == Device::camera && options.camera_protocol.empty()) {
     learnt.head = read_head(source, telling_of_camera);
     options.camera_protocol = CameraProfile().protocol;
@@ -309,6 +329,10 @@ ExitCode run(const DecodeOptions& given) {
   const wire::Counters counters = decode(options, source, printer, learnt);
   std::vector<std::string> remarks;
   if (printer.count() > 0) remarks = remarks_on(options, learnt.recognition, learnt.head, counters);
+  if (options.device == Device::gyro && printer.count() > 0)
+    if (std::string remark = sensors::remark_on_rates(gyro_profile(options, learnt.recognition));
+        !remark.empty())
+      remarks.push_back(std::move(remark));
   if (learnt.zeros.is_seen()) remarks.push_back(remark_on_zeros(learnt.zeros));
   print_summary(options, source.name(), counters, printer, learnt.recognition, remarks);
   if (printer.count() == 0) refuse_bytes(options, source.name(), counters, learnt.head);

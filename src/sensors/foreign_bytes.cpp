@@ -3,11 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <string>
 #include <string_view>
 
 #include "text_fields.h"
+#include "text_words.h"
 #include "thermorig/core/git_lfs.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/text_format.h"
 #include "thermorig/sensors/wire/reassembly.h"
@@ -129,6 +133,58 @@ std::optional<Evidence> image_text(Bytes bytes) {
       "(protocols/text_camera.md)");
 }
 
+/// A character a pixel, 24 lines of 32: the picture that Adafruit's example draws unless it is told
+/// otherwise.
+std::optional<Evidence> picture_of_letters(Bytes bytes) {
+  constexpr std::size_t most_letters = 16;
+  std::size_t rows = 0;
+  std::array<bool, 256> letters{};
+  for_each_line(bytes, [&](const RawLine& line) {
+    if (line.text.size() != frame_columns || !is_text(line.text) ||
+        std::any_of(line.text.begin(), line.text.end(), is_digit))
+      return;
+    ++rows;
+    for (const char c : line.text) letters[static_cast<std::uint8_t>(c)] = true;
+  });
+  const auto different = static_cast<std::size_t>(std::count(letters.begin(), letters.end(), true));
+  const bool is_most = 2 * rows * frame_columns > bytes.size();
+  if (rows < frame_rows || different > most_letters || !is_most) return std::nullopt;
+  return evidence_of(bytes, "a picture drawn with letters, without temperatures",
+                     "turn on the temperatures in the camera's sketch (Adafruit: PRINT_TEMPERATURES)");
+}
+
+/// "Pixel 0: 23.45C", as SparkFun's first example prints ten of.
+std::optional<Evidence> single_pixels(Bytes bytes) {
+  std::size_t lines = 0, of_pixels = 0;
+  for_each_line(bytes, [&](const RawLine& line) {
+    lines += is_blank(line.text) ? 0U : 1U;
+    of_pixels += line.text.starts_with("Pixel ") && line.text.ends_with("C") ? 1U : 0U;
+  });
+  if (of_pixels < frames_needed || 2 * of_pixels < lines) return std::nullopt;
+  return evidence_of(bytes, "single pixels of an image (SparkFun's Example 1 prints ten)",
+                     "a sketch that prints all 768 temperatures, such as SparkFun's Example 2");
+}
+
+/// Nothing but numbers of 32 bits that may be temperatures: where an image begins, nothing tells.
+std::optional<Evidence> images_without_mark(Bytes bytes) {
+  constexpr std::size_t image_bytes = 4 * frame_pixels;
+  if (bytes.size() < image_bytes) return std::nullopt;
+  for (std::size_t phase = 0; phase < 4; ++phase) {
+    std::size_t temperatures = 0;
+    const std::size_t numbers = (bytes.size() - phase) / 4;
+    for (std::size_t i = 0; i < numbers; ++i) {
+      const std::size_t at = phase + 4 * i;
+      const std::uint32_t low = wire::u16_at(bytes, at), high = wire::u16_at(bytes, at + 2);
+      const float value = std::abs(std::bit_cast<float>(low | high << 16U));
+      temperatures += value > 0.01F && value < hottest_pixel_c ? 1U : 0U;
+    }
+    if (temperatures < numbers - numbers / 64) continue;
+    return evidence_of(bytes, "numbers of 32 bits that may be temperatures, without a mark between images",
+                       "let the sketch send a mark in front of each image (protocols/binary_camera.md)");
+  }
+  return std::nullopt;
+}
+
 /// How many frames stand in a row that begin with `mark`, `size` bytes apart, at best.
 template <typename IsFrame>
 std::size_t frames_in_a_row(Bytes bytes, std::size_t size, IsFrame is_frame) {
@@ -199,11 +255,36 @@ std::optional<Evidence> teapot(Bytes bytes) {
                      "make the sketch print the gyro's x, y, z (i2cdevlib: MPU6050_raw)");
 }
 
+/// Answers of a flight controller that speaks MSP: "$M>", how many bytes follow, what they are, these, XOR.
+std::optional<Evidence> msp(Bytes bytes) {
+  std::size_t answers = 0, of_them = 0;
+  for (std::size_t at = 0; at + 6 <= bytes.size(); ++at) {
+    const std::size_t size = std::size_t{bytes[at + 3]};
+    if (bytes[at] != '$' || bytes[at + 1] != 'M' || bytes[at + 2] != '>' || at + size + 6 > bytes.size())
+      continue;
+    std::uint8_t sum = 0;
+    for (const std::uint8_t byte : bytes.subspan(at + 3, size + 2))
+      sum = static_cast<std::uint8_t>(sum ^ byte);
+    if (sum != bytes[at + size + 5]) continue;
+    ++answers;
+    of_them += size + 6;
+    at += size + 5;
+  }
+  if (answers < frames_needed || 3 * of_them < bytes.size()) return std::nullopt;
+  return evidence_of(
+      bytes,
+      fmt::format(
+          "MSP ({} answers of a flight controller): its firmware decides the unit, a bias is taken off, "
+          "and no time is sent",
+          answers),
+      "a controller with ArduPilot or PX4, which speak MAVLink; or another gyro");
+}
+
 }  // namespace
 
 std::optional<Evidence> recognise_foreign(std::span<const std::uint8_t> bytes) {
-  for (const auto recognise :
-       {git_lfs_pointer, utf16_text, hex_text, image_text, witmotion_ble, modbus, teapot})
+  for (const auto recognise : {git_lfs_pointer, utf16_text, hex_text, image_text, picture_of_letters,
+                               single_pixels, images_without_mark, witmotion_ble, modbus, teapot, msp})
     if (std::optional<Evidence> found = recognise(bytes)) return found;
   return std::nullopt;
 }

@@ -12,9 +12,14 @@ namespace thermorig::sensors {
 GyroProtocol witmotion_gyro();
 GyroProtocol text_gyro();
 GyroProtocol mavlink_gyro();
+GyroProtocol vectornav_gyro();
+GyroProtocol xsens_gyro();
+GyroProtocol hipnuc_gyro();
+GyroProtocol mip_gyro();
 
 std::span<const GyroProtocol> gyro_protocols() {
-  static const std::array table{witmotion_gyro(), text_gyro(), mavlink_gyro()};
+  static const std::array table{witmotion_gyro(), text_gyro(),   mavlink_gyro(), vectornav_gyro(),
+                                xsens_gyro(),     hipnuc_gyro(), mip_gyro()};
   return table;
 }
 

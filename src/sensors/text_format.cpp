@@ -17,6 +17,7 @@
 #include "text_fields.h"
 #include "text_line.h"
 #include "text_table.h"
+#include "thermorig/sensors/gyro_sketch.h"
 
 namespace thermorig::sensors {
 
@@ -28,29 +29,7 @@ constexpr std::size_t rows_of_a_clock = 8;        // a rate that rises through s
 constexpr std::size_t rows_of_a_rest = 8;         // a sensor that is there shows its noise in so many
 constexpr double usual_period_s = 0.01;           // where nobody knows how long the lines took
 constexpr double mpu6050_counts_per_dps = 131.0;  // at +-250 deg/s, its setting after a reset
-constexpr double usual_noise_dps = 0.05;          // rms of an MPU-6050: PS-MPU-6000A-00, table 6.1
 
-/// Sketches of libraries whose lines do not say the unit, by what only they print.
-struct KnownSketch {
-  std::string_view mark;
-  double scale_dps;
-  std::string_view what;
-  int first_number = -1;  // from which the rates are, without a name; -1: they have names
-  double gravity = 0.0;   // what its accelerations measure; 0: they are not on the line
-};
-
-// Source: the libraries' examples, devices as protocols/text_gyro.md lists them.
-constexpr std::array known_sketches{
-    KnownSketch{"a/g:", 1.0 / 131.0, "i2cdevlib prints accelerations, then counts at +-250 deg/s", 3},
-    KnownSketch{"#G-", 1.0 / 14.375, "Razor AHRS prints counts of an ITG-3200", 0},
-    KnownSketch{"RAW. Acc [", 1.0 / 131.0, "SparkFun's ICM-20948 example prints counts at +-250 deg/s"},
-    KnownSketch{"gyroX :", 1.0, "MPU6050_tockn prints deg/s"},
-    KnownSketch{"GYRO      X:", 1.0, "MPU6050_light prints deg/s"},
-    KnownSketch{"Gyro:\tx=", dps_of_rad_s, "Adafruit_BNO055 prints rad/s"},
-    KnownSketch{"Gyro - x:", dps_of_rad_s, "Adafruit_BNO08x prints rad/s"},
-    KnownSketch{"AccelX:", dps_of_rad_s, "Adafruit's plotter examples print rad/s", -1, 9.81},
-    KnownSketch{"aX,aY,aZ,gX,gY,gZ", 1.0, "an OpenLog Artemis writes deg/s"},
-};
 constexpr std::string_view angles_of_bno055 = "CALIBRATION: Sys=";  // X, Y, Z before it are Euler angles
 
 std::vector<double> steps_of(const TextTable& table, std::size_t column) {
@@ -192,7 +171,7 @@ bool is_gravity(const TextTable& table, std::span<const std::size_t> three) {
 }
 
 /// Another sketch may use the same words for other units: its accelerations tell.
-bool fits(const KnownSketch& sketch, const TextTable& table) {
+bool fits(const GyroSketch& sketch, const TextTable& table) {
   if (sketch.gravity == 0.0) return true;
   std::vector<std::size_t> accelerations;
   for (const std::size_t column : table.number_columns())
@@ -223,7 +202,7 @@ class Recogniser {
           "print points; of a file whose columns lie between semicolons or tabs: tr , . <FILE | thermorig "
           "decode --device gyro -");
     if (const TextTable* named = best_named()) return of_named(*named);
-    if (const KnownSketch* sketch = sketch_of_order()) return of_order(*sketch);
+    if (const GyroSketch* sketch = sketch_of_order()) return of_order(*sketch);
     for (const TextTable& table : page_.tables)
       if (const std::string name = named_twice(table); is_enough(table) && !name.empty())
         return refuse(fmt::format("two of its columns are rates about one axis (\"{}\")", name),
@@ -269,15 +248,16 @@ class Recogniser {
                        [&](const TextTable& table) { return holds(table.sample_line); });
   }
 
-  const KnownSketch* sketch_of_names() const {
+  const GyroSketch* sketch_of_names() const {
     const auto found =
-        std::find_if(known_sketches.begin(), known_sketches.end(), [&](const KnownSketch& sketch) {
-          return sketch.first_number < 0 && is_on_page(sketch.mark) && fits(sketch, *table_);
+        std::find_if(gyro_sketches().begin(), gyro_sketches().end(), [&](const GyroSketch& sketch) {
+          return sketch.mark_tells_unit && sketch.first_number < 0 && is_on_page(sketch.mark) &&
+                 fits(sketch, *table_);
         });
-    return found == known_sketches.end() ? nullptr : &*found;
+    return found == gyro_sketches().end() ? nullptr : &*found;
   }
 
-  const TextTable* table_of(const KnownSketch& sketch) const {
+  const TextTable* table_of(const GyroSketch& sketch) const {
     for (const TextTable& table : page_.tables)
       if (is_enough(table) && table.prefix.starts_with(sketch.mark) &&
           table.number_columns().size() == static_cast<std::size_t>(sketch.first_number) + axes)
@@ -285,11 +265,11 @@ class Recogniser {
     return nullptr;
   }
 
-  const KnownSketch* sketch_of_order() const {
+  const GyroSketch* sketch_of_order() const {
     const auto found = std::find_if(
-        known_sketches.begin(), known_sketches.end(),
-        [&](const KnownSketch& sketch) { return sketch.first_number >= 0 && table_of(sketch) != nullptr; });
-    return found == known_sketches.end() ? nullptr : &*found;
+        gyro_sketches().begin(), gyro_sketches().end(),
+        [&](const GyroSketch& sketch) { return sketch.first_number >= 0 && table_of(sketch) != nullptr; });
+    return found == gyro_sketches().end() ? nullptr : &*found;
   }
 
   TextFormat begin(const TextTable& table) {
@@ -313,20 +293,21 @@ class Recogniser {
     if (count_of(format_.columns.rate) < axes) say_one_axis();
     if (scale_dps > 0.0)
       take_scale(scale_dps, fmt::format("their unit is {}, as the words say", meaning.unit));
-    else if (const KnownSketch* sketch = sketch_of_names())
-      take_scale(sketch->scale_dps, std::string(sketch->what));
+    else if (const GyroSketch* sketch = sketch_of_names())
+      take_scale(sketch->columns.scale_dps, fmt::format("{} prints {}", sketch->title, sketch->prints));
     else
       leave_scale_open(meaning.unit);
     return finish();
   }
 
-  TextFormat of_order(const KnownSketch& sketch) {
+  TextFormat of_order(const GyroSketch& sketch) {
     begin(*table_of(sketch));
     Rates rates{};
     for (std::size_t axis = 0; axis < axes; ++axis)
       rates[axis] = static_cast<int>(numbers_[static_cast<std::size_t>(sketch.first_number) + axis]);
     take_rates(rates);
-    take_scale(sketch.scale_dps, fmt::format("{} are the rates: {}", columns_text(), sketch.what));
+    take_scale(sketch.columns.scale_dps,
+               fmt::format("{} are the rates: {} prints {}", columns_text(), sketch.title, sketch.prints));
     return finish();
   }
 
@@ -492,8 +473,9 @@ class Recogniser {
   }
 
   TextFormat finish() {
+    name_sketch();
     remark_on_rest();
-    remark_on_resolution();
+    add_remark_on_resolution();
     if (reads_other_lines()) format_.columns.prefix = longest_prefix(*table_);
     if (table_->sample_line.size() > text_line_bytes_max) {
       format_.refusal = fmt::format("its lines have {} bytes, the limit is {}", table_->sample_line.size(),
@@ -564,6 +546,23 @@ class Recogniser {
            page_.headings.size() > 1 && page_.rows >= rows_of_a_rest;
   }
 
+  /// Whose lines they are: a mark alone may stand on lines of another one.
+  void name_sketch() {
+    if (!format_.rates_known || !format_.scale_known) return;
+    for (const GyroSketch& sketch : gyro_sketches()) {
+      if (sketch.name.empty() || sketch.mark.empty() || !is_on_page(sketch.mark)) continue;
+      GyroProfile profile{.sketch = std::string(sketch.name), .text = sketch.columns};
+      std::string room;
+      if (!read_text_line(sketch.columns, format_.sample_line, room).reading) continue;
+      if (!contradiction(profile, format_).empty()) continue;
+      format_.sketch = sketch.name;
+      say(fmt::format("so prints {} ({})", sketch.title, sketch.name));
+      if (!sketch.remark.empty())
+        format_.remarks.push_back(fmt::format("{}: {}", sketch.title, sketch.remark));
+      return;
+    }
+  }
+
   void remark_on_rest() {
     if (table_->rows.size() < rows_of_a_rest) return;
     const auto& rates = format_.columns.rate;
@@ -578,16 +577,11 @@ class Recogniser {
         value, table_->rows.size()));
   }
 
-  /// Rounding adds an error of a step / sqrt(12), which no average takes away from a gyro at rest.
-  void remark_on_resolution() {
+  void add_remark_on_resolution() {
     if (!format_.scale_known || format_.is_counts) return;
     const std::size_t decimals = table_->columns[static_cast<std::size_t>(first_rate())].decimals;
-    const double step_dps = std::pow(10.0, -static_cast<double>(decimals)) * format_.columns.scale_dps;
-    if (decimals == 0 || step_dps / std::sqrt(12.0) <= usual_noise_dps) return;
-    format_.remarks.push_back(fmt::format(
-        "{} decimals are steps of {:.3f} deg/s, coarser than a gyro's noise ({:g} deg/s): print more "
-        "of them, such as Serial.print(rate, 5)",
-        decimals, step_dps, usual_noise_dps));
+    std::string remark = remark_on_resolution(decimals, format_.columns.scale_dps);
+    if (!remark.empty()) format_.remarks.push_back(std::move(remark));
   }
 
   int first_rate() const { return first_of(format_.columns.rate); }

@@ -10,10 +10,14 @@
 #include "text_fields.h"
 #include "text_line.h"
 #include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/sensors/wire/byte_ledger.h"
 #include "thermorig/sensors/wire/reassembly.h"
 
 namespace thermorig::sensors {
+
+/// In the file of that name: its messages are lines as well, which it checks.
+GyroProtocol vectornav_gyro();
 
 namespace {
 
@@ -31,7 +35,7 @@ constexpr std::size_t learning_window = 2 * line_window;
 /// the second.
 class TextGyroScanner {
  public:
-  TextGyroScanner(TextColumns columns, StreamStart start);
+  TextGyroScanner(const GyroProfile& profile, StreamStart start);
   void push(Bytes bytes, std::vector<GyroMessage>& out);
   /// The stream ends here: what only waits for the bytes behind it is decided. A line without an end stays
   /// pending, since it may be cut inside a number.
@@ -46,20 +50,25 @@ class TextGyroScanner {
   std::size_t take_line(const RawLine& line, Bytes rest, std::vector<GyroMessage>& out);
   std::size_t pass_over(std::size_t bytes);
   std::size_t learn_fields(Bytes rest);
+  bool speak_otherwise(Bytes lines) const;
   bool has_usual_fields(std::size_t fields);
 
   TextColumns columns_;
+  std::string sketch_;  // whose lines they are said to be
   wire::ByteLedger ledger_;
   std::vector<std::uint8_t> pending_;  // received, not yet booked
   std::string room_;                   // for a line without its colours
   bool at_line_start_;
   std::size_t usual_fields_ = 0;  // of the lines so far, 0: none yet
   std::size_t other_fields_ = 0;  // of the line before, if that was not the usual number
+  LineSum sum_;
+  bool is_contradicted_ = false;  // the words on the first lines say that they are not those of the sketch
   bool ended_ = false;
 };
 
-TextGyroScanner::TextGyroScanner(TextColumns columns, StreamStart start)
-    : columns_(std::move(columns)),
+TextGyroScanner::TextGyroScanner(const GyroProfile& profile, StreamStart start)
+    : columns_(profile.text),
+      sketch_(profile.sketch),
       at_line_start_(!columns_.prefix.empty() || start == StreamStart::at_line_start) {}
 
 void TextGyroScanner::push(Bytes bytes, std::vector<GyroMessage>& out) {
@@ -77,7 +86,7 @@ void TextGyroScanner::finish(std::vector<GyroMessage>& out) {
 
 void TextGyroScanner::restart() {
   const wire::ByteLedger ledger = ledger_;
-  *this = TextGyroScanner(columns_, StreamStart::anywhere);
+  *this = TextGyroScanner({.sketch = sketch_, .text = columns_}, StreamStart::anywhere);
   ledger_ = ledger;
   ledger_.restart();
 }
@@ -106,8 +115,9 @@ std::size_t TextGyroScanner::take_line(const RawLine& line, Bytes rest, std::vec
   if (read.reading && usual_fields_ == 0) return 0;
   const bool is_usual = read.reading && has_usual_fields(read.fields);
   if (read.reading && !is_usual && ledger_.counters.messages == 0) return pass_over(line.bytes);
-  if (!is_usual) {
-    ++ledger_.counters.bad_value;
+  const bool has_wrong_sum = is_usual && sum_.is_wrong(line.text);
+  if (!is_usual || has_wrong_sum || is_contradicted_) {
+    ++(has_wrong_sum ? ledger_.counters.bad_checksum : ledger_.counters.bad_value);
     ledger_.mark_damage(line.bytes);
     ledger_.book_gap(line.bytes);
     return line.bytes;
@@ -134,11 +144,20 @@ std::size_t TextGyroScanner::learn_fields(Bytes rest) {
     at += line->bytes;
     const TextLine read = read_text_line(columns_, line->text, room_);
     if (!read.reading || line->text.size() > text_line_bytes_max) continue;
-    if (read.fields == before) return read.fields;
+    if (read.fields == before) {
+      is_contradicted_ = speak_otherwise(window.first(at));
+      return read.fields;
+    }
     before = read.fields;
     if (first == 0) first = read.fields;
   }
   return ended_ || window.size() == learning_window ? first : 0;
+}
+
+bool TextGyroScanner::speak_otherwise(Bytes lines) const {
+  if (sketch_.empty()) return false;
+  const auto format = guess_text_format(lines, StreamStart::at_line_start);
+  return format && !contradiction({.sketch = sketch_, .text = columns_}, *format).empty();
 }
 
 /// A lost line feed or comma changes the number of fields. Two lines in a row set a new usual number: the
@@ -170,15 +189,18 @@ std::uint64_t text_message_bytes(const GyroProfile& profile) {
 }
 
 GyroScanner text_scanner(const GyroProfile& profile, StreamStart start) {
-  return GyroScanner(TextGyroScanner(profile.text, start));
+  return GyroScanner(TextGyroScanner(profile, start));
 }
 
 std::optional<Evidence> recognise_text(Bytes bytes, double heard_s) {
+  if (vectornav_gyro().recognise(bytes, heard_s)) return std::nullopt;
   std::optional<TextFormat> format = guess_text_format(bytes, StreamStart::anywhere, heard_s);
   if (!format) return std::nullopt;
   Evidence evidence{.messages = format->lines,
                     .bytes = format->bytes,
                     .text = fmt::format("{} lines of numbers, as a text gyro prints them", format->lines)};
+  if (!format->sketch.empty())
+    evidence.text = fmt::format("{} lines of numbers, as {} prints them", format->lines, format->sketch);
   if (!format->refusal.empty()) evidence.text = "lines of text: " + format->refusal;
   evidence.advice = format->advice;
   evidence.text_format = std::move(format);

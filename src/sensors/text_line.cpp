@@ -2,6 +2,7 @@
 #include "text_line.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -95,6 +96,27 @@ TextLine read_text_line(const TextColumns& columns, std::string_view line, std::
       !has_decimal_commas(line))
     result.reading = reading;
   return result;
+}
+
+bool LineSum::is_wrong(std::string_view line) {
+  const std::size_t star = line.size() < 3 ? line.npos : line.find_last_not_of(" \t") - 2;
+  unsigned told = 0;
+  const bool has_sum = star < line.size() && line[star] == '*' &&
+                       std::from_chars(&line[star] + 1, &line[star] + 3, told, 16).ptr == &line[star] + 3;
+  if (!has_sum) return kind_.has_value();
+  std::string_view summed = line.substr(0, star);
+  summed.remove_prefix(std::min(summed.rfind('$') + 1, summed.size()));  // npos + 1: all of it
+  std::array<std::uint8_t, 2> sums{};
+  for (const char c : summed) {
+    sums[0] = static_cast<std::uint8_t>(sums[0] ^ static_cast<std::uint8_t>(c));
+    sums[1] = static_cast<std::uint8_t>(sums[1] + static_cast<std::uint8_t>(c));
+  }
+  if (kind_) return sums[*kind_] != told;
+  for (std::size_t kind = 0; kind < sums.size(); ++kind) {
+    fitted_[kind] = sums[kind] == told ? fitted_[kind] + 1 : 0;
+    if (fitted_[kind] > 1) kind_ = kind;
+  }
+  return false;
 }
 
 }  // namespace thermorig::sensors

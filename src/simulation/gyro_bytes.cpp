@@ -274,14 +274,23 @@ Heard mavlink_hear(std::span<const std::uint8_t> bytes, const GyroProfile& profi
   return heard;
 }
 
-constexpr std::array all_gyro_encoders{
-    GyroEncoder{"witmotion", witmotion_bytes, witmotion_hear}, GyroEncoder{"text", text_bytes},
-    GyroEncoder{"mavlink", mavlink_bytes, mavlink_hear, mavlink_idle_bytes}};
-
 }  // namespace
 
+// In framed_gyro_bytes.cpp.
+GyroEncoder vectornav_encoder();
+GyroEncoder xsens_encoder();
+GyroEncoder hipnuc_encoder();
+GyroEncoder mip_encoder();
+
 std::span<const GyroEncoder> gyro_encoders() {
-  return all_gyro_encoders;
+  static const std::array table{GyroEncoder{"witmotion", witmotion_bytes, witmotion_hear},
+                                GyroEncoder{"text", text_bytes},
+                                GyroEncoder{"mavlink", mavlink_bytes, mavlink_hear, mavlink_idle_bytes},
+                                vectornav_encoder(),
+                                xsens_encoder(),
+                                hipnuc_encoder(),
+                                mip_encoder()};
+  return table;
 }
 
 const GyroEncoder& gyro_encoder(const GyroProfile& profile) {

@@ -95,6 +95,22 @@ TEST_F(Decode, SaysThatADumpIsAFlightControllers) {
   EXPECT_THAT(run("decode --device camera dump.bin").err, HasSubstr("--device gyro --gyro-protocol mavlink"));
 }
 
+TEST_F(Decode, ReadsTheLinesOfASketchThatIsNamedUnlessTheySayOtherwise) {
+  std::string text, other;
+  for (int i = 0; i < 9; ++i) {
+    text += fmt::format("Rotation X: 0.0{}, Y: -0.02, Z: 0.35 rad/s\r\n", i);
+    other += fmt::format("Rotation X: 0.{}, Y: -1.20, Z: 20.05 deg/s\r\n", i);
+  }
+  write("dump.txt", Bytes(text.begin(), text.end()));
+  write("other.txt", Bytes(other.begin(), other.end()));
+  const std::string named = "decode --device gyro --gyro-protocol adafruit-mpu6050 ";
+  EXPECT_NEAR(run(named + "--json dump.txt").lines().at(0)["rate_dps"][2], 20.054, 1e-3);
+  const Outcome refused = run(named + "other.txt");
+  EXPECT_EQ(refused.code, 4);
+  EXPECT_THAT(refused.err, HasSubstr("adafruit-mpu6050 prints rad/s"));
+  EXPECT_THAT(run("decode --device gyro dump.txt").out, HasSubstr("adafruit-mpu6050"));
+}
+
 TEST_F(Decode, CountsTheFramesAndEveryByte) {
   Bytes dump{1, 2, 3};
   append(dump, camera_dump(12));

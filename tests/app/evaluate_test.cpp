@@ -257,28 +257,6 @@ TEST_F(EvaluateTest, RepeatsNoJobOfAStudy) {
   EXPECT_THAT(events, testing::ElementsAre("start", "reused", "summary"));
 }
 
-TEST_F(EvaluateTest, FindsTheSameInAStudyFromMemoryAndFromTheDisk) {
-  record_sessions();
-  const auto found = [&] {
-    std::map<std::string, nlohmann::json> all;
-    for (const std::string& name : results()) {
-      all[name] = nlohmann::json::parse(file_text(folder() / "study/results" / name));
-      for (const char* field : {"seconds", "sum"}) all[name].erase(field);
-    }
-    return all;
-  };
-  const Outcome in_memory = run(small_study + " --memory 1000");
-  ASSERT_EQ(in_memory.code, 0) << in_memory.err;
-  EXPECT_THAT(in_memory.out, HasSubstr("frames in memory, of which they may take 1.0 GB"));
-  const auto before = found();
-  ASSERT_EQ(before.size(), 4U);
-  fs::remove_all(folder() / "study");
-  const Outcome on_disk = run(small_study + " --memory 0 --json");
-  ASSERT_EQ(on_disk.code, 0) << on_disk.err;
-  EXPECT_GT(on_disk.lines().at(0).at("frames_on_disk_bytes"), 100'000);
-  EXPECT_EQ(found(), before);
-}
-
 TEST_F(EvaluateTest, KeepsFinishedJobsOnCtrlC) {
   record_sessions();
   const pid_t process = start_study(1, "200");

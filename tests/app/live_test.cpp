@@ -429,8 +429,8 @@ TEST_F(Live, TellsOfAStateFileThatWasNotUsed) {
   fs::permissions(file, fs::perms::owner_read | fs::perms::others_read);
   const Outcome as_json = run(words + " --json");
   unsetenv("XDG_STATE_HOME");
-  EXPECT_THAT(lines.out, HasSubstr("others may read or write it")) << lines.err;
-  EXPECT_THAT(as_json.err, HasSubstr("others may read or write it"));
+  EXPECT_THAT(lines.out, HasSubstr("this user alone may read and write")) << lines.err;
+  EXPECT_THAT(as_json.err, HasSubstr("this user alone may read and write"));
   EXPECT_EQ(as_json.lines().front()["event"], "hello");
 }
 

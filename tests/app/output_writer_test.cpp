@@ -106,39 +106,6 @@ class NonBlockingOutput : public Output {
   Pipe pipe_;
 };
 
-TEST_F(NonBlockingOutput, OfAReaderThatStallsAndGoesOnKeepsOrderAndCountsWhatIsDropped) {
-  OutputWriter output(options_of(pipe_));
-  int sent = 0, refused = 0;
-  const auto send = [&] {
-    const bool taken = output.write(frame_text(sent++), Matter::frame);
-    if (!taken) ++refused;
-    return taken;
-  };
-  while (sent < 200) send();  // nobody reads: if one of these waited, it would be for ever
-  EXPECT_GT(refused, 0);
-  EXPECT_FALSE(output.failed());
-  auto reader = std::async(std::launch::async, [&] { return pipe_.read_until("ended"); });
-  EXPECT_TRUE(comes_true(send));
-  for (int more = 0; more < 100; ++more) send();
-  output.write_last("{\"event\":\"ended\"}\n");
-  output.finish();
-  EXPECT_FALSE(output.failure());
-  int next = 0, told = 0;
-  const std::vector<json> came = objects(reader.get());
-  for (const json& object : came) {
-    if (object["event"] == "dropped") {
-      told += object["frames"].get<int>();
-      next += object["frames"].get<int>();
-    }
-    if (object["event"] == "frame") {
-      EXPECT_EQ(object["index"], next++);
-    }
-  }
-  EXPECT_EQ(next, sent);
-  EXPECT_EQ(told, refused);
-  EXPECT_EQ(came.back()["event"], "ended");
-}
-
 TEST_F(NonBlockingOutput, TakesATextWholeThatIsLongerThanThePipe) {
   OutputWriter output(options_of(pipe_));
   const std::string text = json{{"event", "long"}, {"filling", std::string(20'000, 'x')}}.dump() + "\n";

@@ -8,7 +8,7 @@
 
 #include "program.h"
 #include "support/hand_clock.h"
-#include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/simulation/virtual_rig.h"
 
 namespace thermorig::tests {

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <random>
 
@@ -10,13 +7,6 @@
 
 namespace thermorig::calibration {
 namespace {
-
-using rig::CalibrationKind;
-using test::plan_for;
-using test::record;
-using test::refusal;
-using test::rig_with;
-using ::testing::HasSubstr;
 
 /// A gyro at rest without a servo: a sample each 5 ms.
 session::Session resting_session(double length_s, double (*rate_dps)(double time_s)) {

@@ -14,7 +14,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/rig/recording/virtual_recording.h"
 
-namespace thermorig::calibration::test {
+namespace thermorig::calibration {
 
 namespace {
 
@@ -181,4 +181,4 @@ std::string refusal(const std::function<void()>& measure) {
   return "nothing was refused";
 }
 
-}  // namespace thermorig::calibration::test
+}  // namespace thermorig::calibration

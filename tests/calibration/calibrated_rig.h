@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <gmock/gmock.h>
+
 #include <functional>
 #include <string>
 
@@ -9,7 +11,10 @@
 #include "thermorig/simulation/virtual_rig.h"
 #include "thermorig/storage/session/session.h"
 
-namespace thermorig::calibration::test {
+namespace thermorig::calibration {
+
+using rig::CalibrationKind;
+using ::testing::HasSubstr;
 
 /// A simulated rig with the servo "winch", "180", "270" or "continuous".
 simulation::VirtualRigConfig rig_with(std::uint64_t seed, const std::string& servo = "winch");
@@ -42,9 +47,9 @@ struct Recorded {
 Recorded record(const simulation::VirtualRigConfig& config, const rig::SweepPlan& plan);
 
 /// The plan of a calibration on that rig.
-rig::SweepPlan plan_for(rig::CalibrationKind kind, const simulation::VirtualRigConfig& config);
+rig::SweepPlan plan_for(CalibrationKind kind, const simulation::VirtualRigConfig& config);
 
 /// What a measurement said that had to be refused, with the exit code and the advice of that.
 std::string refusal(const std::function<void()>& measure);
 
-}  // namespace thermorig::calibration::test
+}  // namespace thermorig::calibration

@@ -29,8 +29,8 @@ void try_all(const session::Session& session) {
 }
 
 session::Session moving_session() {
-  const auto config = test::rig_with(1);
-  return test::record(config, test::plan_for(rig::CalibrationKind::orientation, config)).session;
+  const auto config = rig_with(1);
+  return record(config, plan_for(rig::CalibrationKind::orientation, config)).session;
 }
 
 TEST(HostileSessions, WithTwoMessagesOfEachDeviceAreRefused) {

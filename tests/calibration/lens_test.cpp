@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 
 #include "calibrated_rig.h"
@@ -9,14 +6,6 @@
 
 namespace thermorig::calibration {
 namespace {
-
-using rig::CalibrationKind;
-using test::plan_for;
-using test::record;
-using test::Recorded;
-using test::refusal;
-using test::rig_with;
-using ::testing::HasSubstr;
 
 /// By half of the plan: these rigs have much to see, and tests are to be quick.
 Recorded swept(const simulation::VirtualRigConfig& config) {

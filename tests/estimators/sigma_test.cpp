@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // What the estimators state of their own errors, held against what simulated rigs really did.
-// tests/bench/estimators.sh prints the figures.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -78,13 +77,6 @@ class StatedSigmas : public testing::TestWithParam<std::tuple<simulation::GyroGr
       judge(pipeline::drive(rig_of(seed, grade, servo), six_legs(), six_legs_s), errors_);
   }
 
-  void record(const std::string& name, const StatedErrors& errors) {
-    RecordProperty(name + " errors", std::to_string(errors.count()));
-    RecordProperty(name + " rms", std::to_string(errors.rms()));
-    RecordProperty(name + " median sigma", std::to_string(errors.median_sigma()));
-    RecordProperty(name + " coverage", std::to_string(errors.coverage()));
-  }
-
   ErrorsOfAll errors_;
 };
 
@@ -92,10 +84,6 @@ TEST_P(StatedSigmas, CoverTheErrorsAndAreNotWideForNothing) {
   for (std::size_t i = 0; i < gyro_estimators.size(); ++i) {
     SCOPED_TRACE(gyro_estimators[i]);
     const auto& [rate, exposure, any_rate, angle] = errors_[i];
-    record(gyro_estimators[i] + " rate", rate);
-    record(gyro_estimators[i] + " exposure", exposure);
-    record(gyro_estimators[i] + " any_rate", any_rate);
-    record(gyro_estimators[i] + " angle", angle);
     EXPECT_GT(rate.count(), 4000U);
     EXPECT_EQ(angle.count(), rate.count());
     for (const StatedErrors* one : {&rate, &exposure, &any_rate, &angle}) EXPECT_GE(one->coverage(), 0.995);

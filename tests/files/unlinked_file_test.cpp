@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/io/files/unlinked_file.h"
+#include "thermorig/io/files/descriptor.h"
 
 #include <gtest/gtest.h>
 #include <linux/magic.h>

@@ -68,7 +68,7 @@ TEXTS = {
     "journal": [],
     "session": [],
 }
-DEVICES = {"camera": "gy_mcu90640", "witmotion": "witmotion", "text_gyro": "text_gyro", "text_camera": "text_camera", "binary_camera": "binary_camera", "mavlink": "mavlink_gyro", "servo": "servo_link"}
+DEVICES = {"camera": "gy_mcu90640", "witmotion": "witmotion", "text_gyro": "text_gyro", "text_camera": "text_camera", "binary_camera": "binary_camera", "mavlink": "mavlink_gyro", "framed": ("vectornav", "xsens", "hipnuc", "mip"), "servo": "servo_link"}
 
 
 def keep(name, content):
@@ -77,7 +77,7 @@ def keep(name, content):
 
 def keep_vectors(stem, prefix=b""):
     for path in sorted(vectors.glob("*.txt")):
-        if stem and path.stem != stem:
+        if stem and path.stem not in ((stem,) if isinstance(stem, str) else stem):
             continue
         for number, line in enumerate(path.read_text().splitlines()):
             fields = [field.strip() for field in line.split("|")]

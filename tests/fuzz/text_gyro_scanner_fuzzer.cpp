@@ -3,6 +3,7 @@
 
 #include "../support/gyro_scanners.h"
 #include "scanner_fuzz.h"
+#include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/sensors/text_format.h"
 
 namespace {
@@ -31,7 +32,7 @@ void require_format_fits(thermorig::test::ByteSpan input) {
 
 }  // namespace
 
-/// Any text or bytes, with and without a prefix, device time and scale.
+/// Any text or bytes, with and without a prefix, device time, scale and sketch.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace thermorig;
   const test::ByteSpan input(data, size);
@@ -49,6 +50,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       require_finite(scanner, input);
     }
   }
+  GyroProfile named;  // the words on the first lines are held against it
+  sensors::choose_gyro("sparkfun-bno080", named);
+  test::fuzz_scanner<wire::GyroMessage>(sensors::gyro_scanner(named), input, pending_max);
   require_format_fits(input);
   return 0;
 }

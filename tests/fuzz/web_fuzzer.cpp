@@ -6,9 +6,7 @@
 
 #include "fuzz_require.h"
 #include "io/web/assets.h"
-#include "io/web/client_json.h"
 #include "io/web/request_check.h"
-#include "io/web/token.h"
 
 namespace thermorig::web {
 

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "io/exclusive.h"
+#include "io/port_list.h"
 #include "one_loop.h"
 #include "support/as_nobody.h"
 

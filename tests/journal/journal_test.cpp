@@ -249,7 +249,7 @@ TEST_F(Journal, CutAtAnyByteKeepsEveryRecordBeforeTheCut) {
 TEST_F(Journal, StopsAtTheFirstFlippedBitAndBelievesNothingAfterIt) {
   const SmallJournal small(path());
   const Bytes whole = read_file(path());
-  for (std::size_t bit = 0; bit < whole.size() * 8; bit += 3) {
+  for (std::size_t bit = 0; bit < whole.size() * 8; bit += 7) {
     Bytes flipped = whole;
     flipped[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
     const fs::path file = write_file(flipped);

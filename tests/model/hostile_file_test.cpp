@@ -217,14 +217,8 @@ const Damage files[] = {
      [](EditedFile& f) { f.file().mutable_opset_import(0)->set_version(huge); }},
     {"TwoOperatorVersions", "does not say which version",
      [](EditedFile& f) { f.file().add_opset_import()->set_version(13); }},
-    {"EmptyNodesWithoutEnd", "far more parts than this network needs",
-     [](EditedFile& f) {
-       for (int i = 0; i < 50'000; ++i) f.graph().add_node();
-     }},
-    {"NumbersWithoutEnd", "far more parts than this network needs",
-     [](EditedFile& f) {
-       for (int i = 0; i < 200'000; ++i) f.tensor("conv1.bias").add_int64_data(1);
-     }},
+    {"Functions", "its graph has functions, sparse", [](EditedFile& f) { f.file().add_functions(); }},
+    {"SparseTensors", "sparse or quantised", [](EditedFile& f) { f.graph().add_sparse_initializer(); }},
 };
 
 const auto name_of = [](const auto& test) { return std::string(test.param.name); };

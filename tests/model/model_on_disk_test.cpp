@@ -42,7 +42,7 @@ TEST_F(ModelOnDisk, IsTheSameFileForTheSameModel) {
 TEST_F(ModelOnDisk, IsRefusedByItsSizeAlone) {
   std::ofstream(path("large.onnx")).put('x');
   fs::resize_file(path("large.onnx"), std::uintmax_t{1} << 40U);
-  EXPECT_THAT(refusal_of_reading(path("large.onnx")), testing::HasSubstr("more than the 67108864"));
+  EXPECT_THAT(refusal_of_reading(path("large.onnx")), testing::HasSubstr("more than the 8388608"));
 }
 
 TEST_F(ModelOnDisk, SaysWhatElseIsThere) {

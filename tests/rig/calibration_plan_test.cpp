@@ -7,7 +7,7 @@
 #include "simulated_bus.h"
 #include "test_servos.h"
 #include "thermorig/rig/recording/finalise.h"
-#include "thermorig/rig/sweep/yield.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/storage/session/session.h"
 
 namespace thermorig::rig::test {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/sweep/plan.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -13,8 +11,11 @@
 #include <set>
 
 #include "thermorig/core/error.h"
+#include "thermorig/rig/sweep/driven_leg.h"
+#include "thermorig/rig/sweep/plan.h"
 
 namespace thermorig::rig {
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -292,5 +293,87 @@ TEST(PlanDuration, CountsLegsRestsAndTransits) {
   EXPECT_LT(duration_s, 50 * 57 / 8.0 + 20.0 + 80.0);
 }
 
+TEST(LinkLoad, IsThatOfTheDefaultRig) {
+  const RigProfile profile;
+  EXPECT_DOUBLE_EQ(link_load(Device::camera, profile).bytes_per_s(), 1544 * 8.0);
+  EXPECT_DOUBLE_EQ(link_load(Device::gyro, profile).bytes_per_s(), 11 * 200.0);
+  EXPECT_DOUBLE_EQ(link_load(Device::servo, profile).rate_hz, 100.0);
+}
+
+TEST(LinkLoad, OfATextGyroGrowsWithItsColumns) {
+  RigProfile profile;
+  profile.gyro.protocol = "text";
+  const auto three_columns = link_load(Device::gyro, profile).message_bytes;
+  EXPECT_GT(three_columns, 20U);
+  profile.gyro.text.prefix = "a/g:";
+  profile.gyro.text.rate = {4, 5, 6};
+  EXPECT_EQ(link_load(Device::gyro, profile).message_bytes, three_columns + 4 * 8 + 4);
+}
+
+TEST(LinkLoad, OfAFlightControllerIsThatOfTheMessageItIsToSend) {
+  RigProfile profile;
+  profile.gyro.protocol = "mavlink";
+  EXPECT_EQ(link_load(Device::gyro, profile).message_bytes, 10U + 24 + 2);
+  profile.gyro.settings = {{"message", 105.0}};
+  EXPECT_EQ(link_load(Device::gyro, profile).message_bytes, 10U + 63 + 2);
+}
+
+TimedFrame frame_at(double middle_s, std::uint16_t missing_before = 0) {
+  TimedFrame frame;
+  frame.exposure_begin = HostTime{} + from_s(middle_s - 0.1875);
+  frame.exposure_end = HostTime{} + from_s(middle_s + 0.0625);
+  frame.missing_before = missing_before;
+  return frame;
+}
+
+double next_s(const FrameSchedule& schedule) {
+  return to_s(schedule.next_middle() - HostTime{});
+}
+
+TEST(FrameSchedule, MeasuresTheRateOnceEnoughFramesHaveCome) {
+  FrameSchedule schedule(8.0);
+  schedule.frame(frame_at(0.0));
+  EXPECT_DOUBLE_EQ(schedule.rate_hz(), 8.0);
+  for (int i = 1; i < 10; ++i) schedule.frame(frame_at(0.1 * i));
+  EXPECT_NEAR(schedule.rate_hz(), 10.0, 1e-6);
+}
+
+TEST(FrameSchedule, MeasuresThroughTheStepsOfALatencyTimer) {
+  FrameSchedule schedule(8.0);
+  for (int i = 0; i < 40; ++i) schedule.frame(frame_at(0.016 * std::ceil(0.120 * i / 0.016)));
+  EXPECT_NEAR(1.0 / schedule.rate_hz(), 0.120, 0.002);
+}
+
+TEST(FrameSchedule, ALateReadDoesNotMoveTheNextFrame) {
+  FrameSchedule schedule(8.0);
+  for (int i = 0; i < 20; ++i) schedule.frame(frame_at(0.1 * i));
+  schedule.frame(frame_at(2.0 + 0.08));
+  EXPECT_NEAR(next_s(schedule), 2.1, 1e-3);
+}
+
+TEST(FrameSchedule, CountsFramesThatNeverCame) {
+  FrameSchedule schedule(8.0);
+  for (int i = 0; i < 20; ++i) schedule.frame(frame_at(0.1 * i));
+  schedule.frame(frame_at(2.2, 2));
+  EXPECT_NEAR(next_s(schedule), 2.3, 1e-3);
+  EXPECT_NEAR(schedule.rate_hz(), 10.0, 1e-3);
+}
+
+TEST(FrameSchedule, TellsHowManyFramesComeOfACameraThatLosesSome) {
+  FrameSchedule schedule(8.0);
+  for (int i = 0; i < 300; ++i)
+    if (i % 3 != 0) schedule.frame(frame_at(0.1 * i, i % 3 == 1 ? 1 : 0));
+  EXPECT_NEAR(schedule.rate_hz(), 10.0, 1e-3);
+  EXPECT_NEAR(schedule.arrival_rate_hz(), 20.0 / 3.0, 0.2);
+}
+
+TEST(FrameSchedule, CountsNoFramesOfACameraThatWasAway) {
+  FrameSchedule schedule(8.0);
+  for (int i = 0; i < 40; ++i) schedule.frame(frame_at(0.1 * i));
+  schedule.frame(frame_at(9.0, 50));
+  EXPECT_DOUBLE_EQ(schedule.arrival_rate_hz(), schedule.rate_hz());
+}
+
 }  // namespace
+
 }  // namespace thermorig::rig

@@ -41,6 +41,22 @@ TEST(ProfileFile, GivesTheSettingsOfTheGyrosProtocolBack) {
   EXPECT_THAT(profile_text(RigProfile()), testing::Not(HasSubstr("gyro.mavlink")));
 }
 
+TEST(ProfileFile, TakesASketchForAllThatItSaysAndKeysOverIt) {
+  const RigProfile profile = parse_profile(
+      "[gyro]\nbaud = 57600\nsketch = \"tockn-mpu6050\"\n[gyro.text]\ntime_column = 9\n", "b.toml");
+  EXPECT_EQ(profile.gyro.protocol, "text");
+  EXPECT_EQ(profile.gyro.model, "MPU6050_tockn");
+  EXPECT_EQ(profile.gyro.link.baud, 57600U);  // its own is 9600
+  EXPECT_EQ(profile.gyro.text.prefix, "gyroX");
+  EXPECT_EQ(profile.gyro.text.rate, (std::array<int, 3>{1, 4, 7}));
+  EXPECT_EQ(profile.gyro.text.time, 9);
+  const std::string text = profile_text(profile);
+  EXPECT_EQ(profile_text(parse_profile(text, "b.toml")), text);
+  EXPECT_THAT(refusal_of_profile("[gyro]\nsketch = \"tockn\"\n"), HasSubstr("tockn-mpu6050"));
+  EXPECT_THAT(refusal_of_profile("[gyro]\nsketch = \"tockn-mpu6050\"\nprotocol = \"mavlink\"\n"),
+              HasSubstr("the protocol is mavlink"));
+}
+
 TEST(ProfileFile, RefusesSettingsThatTheGyrosProtocolDoesNotHave) {
   const std::string mavlink = "[gyro]\nprotocol = \"mavlink\"\n[gyro.mavlink]\n";
   EXPECT_THAT(refusal_of_profile(mavlink + "sistem = 1\n"),

@@ -197,6 +197,23 @@ TEST(Recording, SaysHowTheRawCountsOfAFlightControllerAreRead) {
   EXPECT_THAT(error->advice(), HasSubstr("raw_scale_dps = 0.0573"));
 }
 
+TEST(Recording, SaysThatAVectornavDoesNotHearWhatItIsAskedFor) {
+  const TemporaryFolder folder;
+  simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
+  config.profile.gyro.protocol = "vectornav";
+  config.profile.gyro.link.baud = 921600;
+  RigProfile profile = config.profile;
+  config.profile.gyro.settings = {{"filtered", 1.0}};  // it sends VNYMR, whatever it is asked
+  SimulatedBus bus(config);
+  VirtualOptions options = virtual_options(folder, short_plan());
+  options.recording.profile = profile;
+  const auto error = error_of(bus, options);
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code(), ExitCode::device_missing);
+  EXPECT_THAT(error->what_happened(), HasSubstr("asked for VectorNav messages (VNIMU)"));
+  EXPECT_THAT(error->advice(), HasSubstr("filtered = 1 in [gyro.vectornav]"));
+}
+
 TEST(Recording, SaysThatTheGyroPrintsText) {
   struct TextGyro : SimulatedBus {
     using SimulatedBus::SimulatedBus;

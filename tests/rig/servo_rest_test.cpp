@@ -22,7 +22,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double rest_s = 0.3;
+constexpr double until_rest_s = 0.3;
 constexpr double rest_dps = 1.0;
 constexpr double moving_dps = 20.0;
 
@@ -68,7 +68,7 @@ class ServoRest : public ::testing::Test {
 
   void expect_rest_from(HostTime begin, HostTime end) {
     EXPECT_GT(fastest_dps(begin - from_s(1.0), begin), moving_dps);
-    EXPECT_LT(fastest_dps(begin + from_s(rest_s), end), rest_dps);
+    EXPECT_LT(fastest_dps(begin + from_s(until_rest_s), end), rest_dps);
     expect_within_limits(ports_.rig().pulses(), options_.recording.profile.servo);
   }
 

@@ -7,6 +7,7 @@
 #include "simulated_bus.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/sensors/device_stream.h"
+#include "thermorig/sensors/gyro_sketch.h"
 
 namespace thermorig::rig::test {
 namespace {
@@ -90,6 +91,17 @@ TEST(ARecording, AsksAFlightControllerOfOldTheOldWay) {
   EXPECT_TRUE(std::ranges::equal(sent.chunk(1), asked(config.profile, 1)));
   EXPECT_NEAR(to_s(sent.time(1) - sent.time(0)), 1.0, 0.01);
   EXPECT_GT(build_session(run.raw).gyro.size(), 1000U);
+}
+
+TEST(ARecording, MakesAVectornavSendTheRatesThatItsFilterLeavesAlone) {
+  auto config = simulation::default_rig(1, "kitchen");
+  sensors::choose_gyro("vectornav", config.profile.gyro);
+  config.gyro_start = simulation::GyroStart::when_asked;  // till then it sends VNYMR
+  SimulatedBus bus(config);
+  const DrivenRun run = record(bus, config.profile);
+  EXPECT_FALSE(run.failure) << run.failure->what_happened();
+  EXPECT_EQ(run.raw.sent[Device::gyro].bytes, asked(config.profile, 0));
+  EXPECT_GT(build_session(run.raw).gyro.size(), 200U);
 }
 
 TEST(ARecording, AsksAFlightControllerAnewThatCameBack) {

@@ -5,8 +5,6 @@
 
 #include "support/at_s.h"
 #include "test_servos.h"
-#include "thermorig/rig/sweep/servo_stop.h"
-#include "thermorig/rig/sweep/servo_telemetry.h"
 #include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::rig::test {

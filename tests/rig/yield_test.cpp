@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/sweep/yield.h"
 #include "test_servos.h"
+#include "thermorig/rig/sweep/plan.h"
 
 #include <gmock/gmock.h>
 

@@ -65,6 +65,9 @@ const std::string ble_frame(
     "\x55\x61\x0F\x00\xE7\xFF\x00\x08\x15\x00\xF4\xFF\x67\x06\x61\x00\xC2\xFF\x00\x80", 20);
 const std::string modbus_answer("\x50\x03\x06\x00\x01\x00\x02\x00\x03\x0C\xE7", 11);
 
+const std::string msp_answer(
+    "$M>\x12\x66\x0A\x00\xEC\xFF\x00\x02\x10\x00\xDF\xFF\x48\x01\x00\x00\x00\x00\x00\x00\x16", 24);
+
 const std::vector<Foreign> foreigners{
     {"UTF-16, as PowerShell writes", utf16(csv(50), false), "UTF-16", "iconv"},
     {"UTF-16, the other way round", utf16(csv(50), true), "UTF-16", "iconv"},
@@ -78,6 +81,12 @@ const std::vector<Foreign> foreigners{
      "git lfs pull"},
     {"WitMotion over Bluetooth", "\x0F" + repeated(ble_frame, 50), "55 61", "55 52"},
     {"Modbus", repeated(modbus_answer, 30), "Modbus", "send by itself"},
+    {"a picture of letters", repeated(" .-*+x%#X.-*+x%#X.-*+x%#X.-*+x%#\r\n", 48), "letters",
+     "PRINT_TEMPERATURES"},
+    {"ten pixels", repeated("Pixel 0: 23.45C\r\nPixel 1: 23.50C\r\n\r\n", 20), "single pixels", "Example 2"},
+    {"floats without a mark", repeated(std::string("\x00\x00\xB8\x41", 4), 1600), "without a mark",
+     "mark in front"},
+    {"MSP", repeated(msp_answer, 30), "MSP", "MAVLink"},
     {"teapot", repeated(teapot_packet, 30), "teapot", "MPU6050_raw"},
 };
 

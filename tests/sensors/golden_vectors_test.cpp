@@ -105,13 +105,14 @@ TEST(GoldenVectors, TextStreamsAreReadAsDescribed) {
   }
 }
 
-TEST(GoldenVectors, MavlinkStreamsAreReadAsDescribed) {
-  for (const GoldenVector& vector : read_vectors("mavlink_gyro.txt")) {
+/// `rate_hz`: the profile's.
+void expect_samples(const char* file, const char* protocol, double rate_hz = 200.0) {
+  for (const GoldenVector& vector : read_vectors(file)) {
     SCOPED_TRACE(vector.name);
     const Fields fields = fields_in(vector);
-    GyroProfile profile{.protocol = "mavlink"};
-    for (const char* setting : {"system", "message", "raw_scale_dps"})
-      if (fields.contains(setting)) profile.settings[setting] = std::stod(fields.at(setting));
+    GyroProfile profile{.protocol = protocol, .output_rate_hz = rate_hz};
+    for (const sensors::GyroSetting& setting : sensors::gyro_protocol(protocol).settings)
+      if (fields.contains(setting.name)) profile.settings[setting.name] = std::stod(fields.at(setting.name));
     const auto scan =
         scan_any_chunking<wire::GyroMessage>(sensors::gyro_scanner(profile), vector.bytes, Stream::ends);
     expect_counters(scan.counters, fields, "readings");
@@ -125,6 +126,26 @@ TEST(GoldenVectors, MavlinkStreamsAreReadAsDescribed) {
       EXPECT_FLOAT_EQ(*reading.temp_c, std::stof(fields.at("temp_cdeg")) / 100.0F);
     }
   }
+}
+
+TEST(GoldenVectors, MavlinkStreamsAreReadAsDescribed) {
+  expect_samples("mavlink_gyro.txt", "mavlink");
+}
+
+TEST(GoldenVectors, VectornavStreamsAreReadAsDescribed) {
+  expect_samples("vectornav.txt", "vectornav");
+}
+
+TEST(GoldenVectors, XsensStreamsAreReadAsDescribed) {
+  expect_samples("xsens.txt", "xsens", 100.0);
+}
+
+TEST(GoldenVectors, HipnucStreamsAreReadAsDescribed) {
+  expect_samples("hipnuc.txt", "hipnuc");
+}
+
+TEST(GoldenVectors, MipStreamsAreReadAsDescribed) {
+  expect_samples("mip.txt", "mip");
 }
 
 TEST(GoldenVectors, MavlinkIsAskedAsDescribed) {

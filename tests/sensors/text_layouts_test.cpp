@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <random>
 
 #include "support/gyro_scanners.h"
@@ -574,6 +575,30 @@ TEST(TextLayouts, AreReadByTheirWordsOrAskedFor) {
     }
     expect_rates(layout, *format);
   }
+}
+
+TEST(TextLayouts, AreNamedAfterTheirSketchWhereTheirWordsTellIt) {
+  const std::map<std::string, std::string> names{{"i2cdevlib MPU6050_raw", "i2cdevlib-mpu6050"},
+                                                 {"Adafruit MPU6050 basic", "adafruit-mpu6050"},
+                                                 {"Adafruit MPU6050 plotter", "adafruit-mpu6050-plotter"},
+                                                 {"Adafruit LSM6DS", "adafruit-lsm6ds"},
+                                                 {"Adafruit BNO055 read_all_data", "adafruit-bno055"},
+                                                 {"Adafruit BNO08x more_reports", "adafruit-bno08x"},
+                                                 {"SparkFun BNO080 Example3", "sparkfun-bno080"},
+                                                 {"Arduino SimpleGyroscope", "arduino-imu"},
+                                                 {"SparkFun ICM-20948 Example1", "sparkfun-icm20948"},
+                                                 {"SparkFun ICM-20948 raw", "sparkfun-icm20948-raw"},
+                                                 {"SparkFun BMI270 Example1", "sparkfun-bmi270"},
+                                                 {"tockn MPU6050", "tockn-mpu6050"},
+                                                 {"rfetick MPU6050_light", "mpu6050-light"},
+                                                 {"Razor AHRS", "razor-ahrs"}};
+  std::size_t named = 0;
+  for (const Layout& layout : layouts) {
+    const auto name = names.find(layout.name);
+    named += name != names.end() ? 1U : 0U;
+    EXPECT_EQ(guess(text_of(layout))->sketch, name == names.end() ? "" : name->second) << layout.name;
+  }
+  EXPECT_EQ(named, names.size());
 }
 
 TEST(TextLayouts, OfOneAxisALineAreReadForZAndTheOthersAreNamed) {

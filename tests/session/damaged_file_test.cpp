@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
-#include <sys/mman.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <functional>
 #include <limits>
-#include <random>
 
 #include "equality.h"
 #include "replace_session.h"
@@ -24,7 +18,7 @@ namespace {
 using DamagedSession = InTemporaryFolder;
 
 /// What a damaged file may lead to.
-enum Outcome : int { refused = 0, equal = 1, wrong = 2, wrong_error = 3, died = 4 };
+enum Outcome : int { refused, equal, wrong, wrong_error };
 
 Outcome read_and_compare(const std::filesystem::path& path, const Session& truth) {
   try {
@@ -32,22 +26,6 @@ Outcome read_and_compare(const std::filesystem::path& path, const Session& truth
   } catch (const Error& error) {
     return error.code() == ExitCode::not_a_session && !error.what_happened().empty() ? refused : wrong_error;
   }
-}
-
-constexpr int first_code = 10;  // of the child's exit; sanitizers have 1 and 66 for what they find in libhdf5
-
-/// In a child: libhdf5 itself may crash on a damaged file.
-Outcome outcome_of(const std::filesystem::path& path, const Session& truth) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::alarm(20);
-    ::_exit(first_code + read_and_compare(path, truth));
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) < first_code || WEXITSTATUS(status) >= first_code + died)
-    return died;
-  return static_cast<Outcome>(WEXITSTATUS(status) - first_code);
 }
 
 TEST_F(DamagedSession, WithADelayOfTheServoBeyondAnyClockIsRefused) {
@@ -121,7 +99,7 @@ TEST_F(DamagedSession, CutAnywhereIsRefused) {
   for (std::size_t cut = 0; cut < 60; ++cut) {
     const std::size_t length = cut < 10 ? cut * 7 : whole.size() * (cut - 10) / 50;
     write_file(path(), std::vector<char>(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)));
-    EXPECT_EQ(outcome_of(path(), truth), refused) << "cut at " << length << " of " << whole.size();
+    EXPECT_EQ(read_and_compare(path(), truth), refused) << "cut at " << length << " of " << whole.size();
   }
 }
 
@@ -137,26 +115,6 @@ TEST_F(DamagedSession, WithBytesBehindItsEndIsRefusedAndSaysHowMany) {
     EXPECT_EQ(error.code(), ExitCode::not_a_session);
     EXPECT_THAT(error.what_happened(), testing::HasSubstr(" bytes, and 4 more stand behind"));
   }
-}
-
-TEST_F(DamagedSession, FlippedBytesAreRefusedOrChangeNothing) {
-  const Session truth = synthetic_live_session(20);
-  write_session(path("whole.h5"), truth);
-  const auto whole = read_file(path("whole.h5"));
-  std::mt19937 random(11);
-  int crashes = 0;
-  for (int mutant = 0; mutant < 200; ++mutant) {
-    auto bytes = whole;
-    for (unsigned i = 0, n = 1 + random() % 4; i < n; ++i)
-      bytes[random() % bytes.size()] ^= static_cast<char>(1 + random() % 255);
-    write_file(path(), bytes);
-    const Outcome outcome = outcome_of(path(), truth);
-    EXPECT_THAT(outcome, testing::AnyOf(refused, equal, died)) << "mutant " << mutant;
-    crashes += outcome == died ? 1 : 0;
-  }
-  RecordProperty("crashes_inside_libhdf5", crashes);
-  // libhdf5 1.10 is no safe parser: some damage to its own structures kills the process that reads.
-  EXPECT_LE(crashes, 10);
 }
 
 TEST_F(DamagedSession, OtherFilesAreRefusedWithASentence) {

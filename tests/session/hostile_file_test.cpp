@@ -41,7 +41,7 @@ using testing::HasSubstr;
 #if defined(THERMORIG_IS_SANITIZED)
 constexpr int usual_mutants = 400;
 #else
-constexpr int usual_mutants = 100;
+constexpr int usual_mutants = 40;
 #endif
 
 template <typename Call>

@@ -171,7 +171,7 @@ class Enumerator {
       if (is_often && ++appends % stride != 0) continue;
       for (std::size_t i = 0; i < faults.size(); ++i)
         for (const bool lasting : {false, true})
-          if (can_fail(kind, faults[i]) && draw(k, 400 + 2 * i + lasting, 1.0))
+          if (can_fail(kind, faults[i]) && draw(k, 400 + 2 * i + lasting, settings_.error_share))
             fail_call({faults[i], k, lasting}, fault_names[i]);
     }
   }
@@ -266,7 +266,8 @@ class Enumerator {
     for (std::size_t k = 0; k < calls_of_recovery_.size(); ++k)
       for (std::size_t i = 0; i < faults.size(); ++i)
         for (const bool lasting : {false, true})
-          if (can_fail(calls_of_recovery_[k].kind, faults[i]))
+          if (can_fail(calls_of_recovery_[k].kind, faults[i]) &&
+              draw(k * settings_.parts + settings_.part, 500 + 2 * i + lasting, settings_.error_share))
             fail_recovery_call(image, required, {faults[i], k, lasting}, fault_names[i]);
   }
 

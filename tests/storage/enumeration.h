@@ -16,8 +16,9 @@ enum class Mutation : std::uint8_t { none, no_sync, no_folder_sync };
 struct EnumerationSettings {
   double share = 1.0;  // of the crash points of the recording, drawn by the seed
   std::size_t error_stride =
-      40;                   // every so many-th append of the recording fails, and all rare calls; 0: none
-  std::size_t starts = 24;  // disks that recovery is enumerated on
+      40;                    // every so many-th append of the recording fails, and all rare calls; 0: none
+  double error_share = 1.0;  // of the errors, drawn likewise
+  std::size_t starts = 24;   // disks that recovery is enumerated on
   std::size_t recover_stride = 10;  // every so many-th different recording is recovered whole
   std::uint64_t seed = 1;
   unsigned part = 0, parts = 1;  // this process does the points of its part

@@ -110,8 +110,7 @@ bool can_fail(CallKind call, FaultKind fault) {
   return false;
 }
 
-template <typename Make>
-int FaultDisk::with_fault(Call call, Make make) {
+int FaultDisk::with_fault(Call call, const Make& make) {
   const std::size_t index = count_++;
   if (clock_ != nullptr) call.time = *clock_;
   const CallKind kind = call.kind;
@@ -137,27 +136,6 @@ int FaultDisk::with_fault(Call call, Make make) {
   }
 }
 
-Answer<OpenFile> FaultDisk::create(const Path& path, unsigned mode) {
-  Answer<OpenFile> answer{OpenFile::none, 0};
-  answer.error_number = with_fault({.kind = CallKind::create, .path = path.string(), .number = mode},
-                                   [&](std::optional<FaultKind>) {
-                                     answer = disk_.create(path, mode);
-                                     return answer.error_number;
-                                   });
-  if (!answer.good()) answer.value = OpenFile::none;
-  return answer;
-}
-
-Answer<OpenFile> FaultDisk::open(const Path& path) {
-  Answer<OpenFile> answer{OpenFile::none, 0};
-  answer.error_number =
-      with_fault({.kind = CallKind::open, .path = path.string()}, [&](std::optional<FaultKind>) {
-        answer = disk_.open(path);
-        return answer.error_number;
-      });
-  return answer;
-}
-
 Answer<std::size_t> FaultDisk::append(OpenFile file, std::span<const std::span<const std::byte>> parts) {
   Bytes bytes = joined(parts);
   Answer<std::size_t> answer;
@@ -172,24 +150,6 @@ Answer<std::size_t> FaultDisk::append(OpenFile file, std::span<const std::span<c
   return answer;
 }
 
-Answer<std::size_t> FaultDisk::read(OpenFile file, std::uint64_t offset, std::span<std::byte> out) {
-  Answer<std::size_t> answer;
-  answer.error_number = with_fault({.kind = CallKind::read, .file = file}, [&](std::optional<FaultKind>) {
-    answer = disk_.read(file, offset, out);
-    return answer.error_number;
-  });
-  return answer;
-}
-
-Answer<std::uint64_t> FaultDisk::size(OpenFile file) {
-  Answer<std::uint64_t> answer;
-  answer.error_number = with_fault({.kind = CallKind::size, .file = file}, [&](std::optional<FaultKind>) {
-    answer = disk_.size(file);
-    return answer.error_number;
-  });
-  return answer;
-}
-
 int FaultDisk::sync(OpenFile file) {
   return with_fault({.kind = CallKind::sync, .file = file}, [&](std::optional<FaultKind> kind) {
     if (kind == FaultKind::io_error) {
@@ -198,91 +158,6 @@ int FaultDisk::sync(OpenFile file) {
     }
     return disk_.sync(file);
   });
-}
-
-int FaultDisk::reserve(OpenFile file, std::uint64_t bytes) {
-  return with_fault({.kind = CallKind::reserve, .file = file, .number = bytes},
-                    [&](std::optional<FaultKind>) { return disk_.reserve(file, bytes); });
-}
-
-int FaultDisk::truncate(OpenFile file, std::uint64_t bytes) {
-  return with_fault({.kind = CallKind::truncate, .file = file, .number = bytes},
-                    [&](std::optional<FaultKind>) { return disk_.truncate(file, bytes); });
-}
-
-int FaultDisk::close(OpenFile file) {
-  return with_fault({.kind = CallKind::close, .file = file},
-                    [&](std::optional<FaultKind>) { return disk_.close(file); });
-}
-
-int FaultDisk::lock(OpenFile file, Wait wait) {
-  return with_fault({.kind = CallKind::lock, .file = file},
-                    [&](std::optional<FaultKind>) { return disk_.lock(file, wait); });
-}
-
-Answer<files::FileKind> FaultDisk::look(const Path& path) {
-  Answer<files::FileKind> answer;
-  answer.error_number =
-      with_fault({.kind = CallKind::look, .path = path.string()}, [&](std::optional<FaultKind>) {
-        answer = disk_.look(path);
-        return answer.error_number;
-      });
-  return answer;
-}
-
-Answer<std::vector<files::FolderEntry>> FaultDisk::list(const Path& folder) {
-  Answer<std::vector<files::FolderEntry>> answer;
-  answer.error_number =
-      with_fault({.kind = CallKind::list, .path = folder.string()}, [&](std::optional<FaultKind>) {
-        answer = disk_.list(folder);
-        return answer.error_number;
-      });
-  return answer;
-}
-
-int FaultDisk::rename(const Path& from, const Path& to) {
-  return with_fault({.kind = CallKind::rename, .path = from.string(), .other_path = to.string()},
-                    [&](std::optional<FaultKind>) { return disk_.rename(from, to); });
-}
-
-int FaultDisk::rename_to_new(const Path& from, const Path& to) {
-  return with_fault({.kind = CallKind::rename_to_new, .path = from.string(), .other_path = to.string()},
-                    [&](std::optional<FaultKind>) { return disk_.rename_to_new(from, to); });
-}
-
-int FaultDisk::link(const Path& from, const Path& to) {
-  return with_fault({.kind = CallKind::link, .path = from.string(), .other_path = to.string()},
-                    [&](std::optional<FaultKind>) { return disk_.link(from, to); });
-}
-
-int FaultDisk::remove(const Path& file) {
-  return with_fault({.kind = CallKind::remove, .path = file.string()},
-                    [&](std::optional<FaultKind>) { return disk_.remove(file); });
-}
-
-int FaultDisk::make_folder(const Path& folder) {
-  return with_fault({.kind = CallKind::make_folder, .path = folder.string()},
-                    [&](std::optional<FaultKind>) { return disk_.make_folder(folder); });
-}
-
-int FaultDisk::remove_folder(const Path& folder) {
-  return with_fault({.kind = CallKind::remove_folder, .path = folder.string()},
-                    [&](std::optional<FaultKind>) { return disk_.remove_folder(folder); });
-}
-
-int FaultDisk::sync_folder(const Path& folder) {
-  return with_fault({.kind = CallKind::sync_folder, .path = folder.string()},
-                    [&](std::optional<FaultKind>) { return disk_.sync_folder(folder); });
-}
-
-Answer<std::uint64_t> FaultDisk::free_bytes(const Path& path) {
-  Answer<std::uint64_t> answer;
-  answer.error_number =
-      with_fault({.kind = CallKind::free_bytes, .path = path.string()}, [&](std::optional<FaultKind>) {
-        answer = disk_.free_bytes(path);
-        return answer.error_number;
-      });
-  return answer;
 }
 
 }  // namespace thermorig::storage_test

@@ -14,7 +14,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/io/files/part_file.h"
 #include "thermorig/rig/recording/finalise.h"
-#include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/sensors/wire/device_bytes.h"
 #include "thermorig/storage/journal/journal.h"
 

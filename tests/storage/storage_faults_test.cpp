@@ -7,22 +7,22 @@
 namespace thermorig::storage_test {
 namespace {
 
-const RecordedSession& long_session() {
-  static const RecordedSession recorded = record_session(200);
-  return recorded;
-}
-
 #ifdef THERMORIG_FEW_POINTS
 constexpr std::uint64_t points_least = 300;
-EnumerationSettings some_points() {
-  return {.share = 0.004, .error_stride = 0, .starts = 1, .recover_stride = 1000};
-}
+constexpr EnumerationSettings ends{.share = 0.004, .error_stride = 0, .starts = 1, .recover_stride = 1000};
+constexpr EnumerationSettings errors{
+    .share = 0.0, .error_stride = 0, .error_share = 0.4, .starts = 2, .recover_stride = 1000};
 #else
 constexpr std::uint64_t points_least = 2500;
-EnumerationSettings some_points() {
-  return {.share = 0.02, .error_stride = 800, .starts = 2, .recover_stride = 100};
-}
+constexpr EnumerationSettings ends{.share = 0.026, .error_stride = 0, .starts = 1, .recover_stride = 100};
+constexpr EnumerationSettings errors{
+    .share = 0.0, .error_stride = 800, .error_share = 0.4, .starts = 2, .recover_stride = 100};
 #endif
+
+const RecordedSession& short_session() {
+  static const RecordedSession recorded = record_session(60);
+  return recorded;
+}
 
 std::string examples(const Enumeration& enumeration) {
   std::string text;
@@ -32,7 +32,9 @@ std::string examples(const Enumeration& enumeration) {
 }
 
 TEST(StorageFaults, LoseNothingThatWasPromisedAndNothingSilently) {
-  const Enumeration enumeration = enumerate(long_session(), some_points());
+  Enumeration enumeration = enumerate(record_session(200), ends);
+  add(enumeration,
+      enumerate(short_session(), errors));  // each of them is a recording or a recovery of its own
   EXPECT_GE(points_of(enumeration), points_least);
   EXPECT_EQ(count_of(enumeration, Outcome::silent), 0U) << examples(enumeration);
   EXPECT_EQ(count_of(enumeration, Outcome::beyond), 0U) << examples(enumeration);
@@ -40,14 +42,11 @@ TEST(StorageFaults, LoseNothingThatWasPromisedAndNothingSilently) {
 }
 
 TEST(StorageFaults, AreNoticedWhereASyncIsLeftOut) {
-  EnumerationSettings settings = some_points();
-  settings.share = 0.01;
-  settings.error_stride = 0;
-  settings.starts = 1;
-  settings.mutation = Mutation::no_sync;
-  EXPECT_GT(count_of(enumerate(long_session(), settings), Outcome::silent), 0U);
-  settings.mutation = Mutation::no_folder_sync;
-  EXPECT_GT(count_of(enumerate(long_session(), settings), Outcome::silent), 0U);
+  for (const Mutation mutation : {Mutation::no_sync, Mutation::no_folder_sync}) {
+    EnumerationSettings settings = ends;
+    settings.mutation = mutation;
+    EXPECT_GT(count_of(enumerate(short_session(), settings), Outcome::silent), 0U);
+  }
 }
 
 }  // namespace

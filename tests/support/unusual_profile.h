@@ -19,12 +19,14 @@ inline recording_header::FieldValue unusual_value(const recording_header::Profil
   if (std::holds_alternative<std::int64_t>(field.standard))
     return static_cast<std::int64_t>(field.min + share * (field.max - field.min));
   if (field.is_date) return fmt::format("2026-07-25T{:02}:{:02}:00Z", index / 60, index % 60);
+  if (field.name == "sketch") return std::string();  // it goes with one protocol alone, which has no settings
+  if (field.table == "gyro" && field.name == "protocol") return std::string("mavlink");  // which has settings
   if (field.words.empty()) return fmt::format("text {} \"früh\" \\ \t", index);
   const bool last_is_standard = std::get<std::string>(field.standard) == field.words.back();
   return last_is_standard ? field.words.front() : field.words.back();
 }
 
-/// A profile in which no field has its standard value.
+/// A profile in which no field but the sketch has its standard value.
 inline RigProfile unusual_profile() {
   RigProfile profile;
   std::size_t index = 0;

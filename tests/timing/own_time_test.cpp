@@ -102,6 +102,7 @@ TEST(AnUnwrappedTime, GoesOnOverAWrapOf32BitsAndStepsBackAtAReset) {
       {"micros(), the reader was late", 4294967290, 4994, 0.9, 0.005},
       {"micros() over an outage", 4290000000, 5032704, 10.0, 10.0},
       {"millis()", 4294967295000, 4000, 0.005, 0.005},
+      {"tenths of milliseconds", 429496729500, 4900, 0.005, 0.005},
       {"a reset", 3600000000, 1000, 2.0, -3599.999},
       {"a reset near the wrap", 4294000000, 1000000, 10.0, -4293.0},
       {"no step back", 1000, 6000, 0.005, 0.005},

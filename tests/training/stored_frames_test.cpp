@@ -22,9 +22,8 @@ class StoredFramesOfATraining : public session::InTemporaryFolder {
  protected:
   /// The acquisitions, of which so many fit in memory.
   std::vector<Acquisition> stored(std::vector<Acquisition> acquisitions, std::size_t in_memory) const {
-    const std::size_t frame_bytes = frame_pixels * sizeof(float) + frame_rows * 3 + 8;  // at most
-    dataset::FrameStore store({.folder = folder_},
-                              in_memory * (acquisitions.front().frames() * frame_bytes + 8));
+    const std::size_t frame_bytes = frame_pixels * sizeof(float);  // at most
+    dataset::FrameStore store({.folder = folder_}, in_memory * acquisitions.front().frames() * frame_bytes);
     for (Acquisition& acquisition : acquisitions) store.take(acquisition);
     return acquisitions;
   }

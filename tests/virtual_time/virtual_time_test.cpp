@@ -66,17 +66,14 @@ TEST_F(VirtualTime, RecordsAFlightControllerAsAnyGyro) {
 }
 
 /// The paper's Table I: 18 acquisitions, 51,561 frames. Of each speed it has 61 frames indoors and 51 in the
-/// garden, up to a frame that falls between two legs. One of each environment; tests/bench/table_one.sh
-/// records all 18.
+/// garden, up to a frame that falls between two legs. One of each kind; tests/bench/table_one.sh records all
+/// 18.
 TEST_F(VirtualTime, RecordsAsManyFramesAsTableOneHas) {
   struct Row {
     std::string environment;
     int acquisitions, frames, frames_per_speed;
   };
-  const std::vector<Row> table{{"laboratory", 4, 12114, 61},
-                               {"dining", 4, 12130, 61},
-                               {"kitchen", 4, 12124, 61},
-                               {"garden", 6, 15193, 51}};
+  const std::vector<Row> table{{"kitchen", 4, 12124, 61}, {"garden", 6, 15193, 51}};
   int seed = 0;
   for (const Row& row : table) {
     SCOPED_TRACE(row.environment);

@@ -48,25 +48,6 @@ TEST_F(Refusals, AFieldThatComesTwiceIsNone) {
   EXPECT_TRUE(orders().empty());
 }
 
-TEST_F(Refusals, AWrongMethodIsToldTheRightOne) {
-  const auto with_method = [&](const std::string& method, const std::string& target) {
-    return reply_to(fmt::format("{} {} HTTP/1.1\r\nHost: {}\r\n\r\n", method, target, host()));
-  };
-  EXPECT_EQ(with_method("DELETE", "/").field("Allow"), "GET, HEAD");
-  EXPECT_EQ(with_method("GET", "/stop").field("Allow"), "POST");
-  EXPECT_EQ(with_method("MADEUP", "/").status, 405);
-  EXPECT_EQ(with_method("CONNECT", "a.example:80").status, 404);
-}
-
-TEST_F(Refusals, AnotherSiteGetsNoPermissionFromAPreflight) {
-  const auto reply = reply_to(fmt::format(
-      "OPTIONS /stop HTTP/1.1\r\nHost: {}\r\nOrigin: http://a.example\r\n"
-      "Access-Control-Request-Method: POST\r\nAccess-Control-Request-Headers: authorization\r\n\r\n",
-      host()));
-  EXPECT_EQ(reply.status, 405);
-  EXPECT_EQ(reply.headers.find("Access-Control"), std::string::npos);
-}
-
 // --- the token --------------------------------------------------------------------------------------------
 
 TEST_F(Refusals, AWrongTokenClosesTheStream) {
@@ -75,29 +56,11 @@ TEST_F(Refusals, AWrongTokenClosesTheStream) {
   EXPECT_EQ(server().clients(), 0U);
 }
 
-TEST_F(Refusals, AFirstMessageThatIsNoTokenClosesTheStream) {
-  for (const std::string message :
-       {"", "{", "[]", "\"token\"", R"({"token":1})", R"({"token":{"token":""}})", "{}"}) {
-    PageClient client = connect();
-    ASSERT_EQ(client.upgrade().status, 101);
-    client.send_text(message);
-    EXPECT_EQ(client.receive().close_code, 1008) << message;
-  }
-}
-
 TEST_F(Refusals, ABinaryFirstMessageClosesTheStream) {
   PageClient client = connect();
   ASSERT_EQ(client.upgrade().status, 101);
   client.send_frame(2, fmt::format(R"({{"token":"{}"}})", token()));
   EXPECT_EQ(client.receive().close_code, 1003);
-}
-
-TEST_F(Refusals, UnmaskedFramesCloseTheStream) {
-  PageClient client = connect();
-  ASSERT_EQ(client.upgrade().status, 101);
-  client.send_frame(1, fmt::format(R"({{"token":"{}"}})", token()), false);
-  EXPECT_EQ(client.receive().close_code, 1002);
-  EXPECT_EQ(server().clients(), 0U);
 }
 
 TEST_F(Refusals, AnOversizedFirstMessageClosesTheStream) {
@@ -147,12 +110,6 @@ TEST_F(Refusals, AnOversizedBodyIsRefused) {
   EXPECT_TRUE(orders().empty());
 }
 
-TEST_F(Refusals, SlowHeadersEndTheConnection) {
-  PageClient client = connect();
-  client.send("GET / HTTP/1.1\r\nHost:");
-  expect_closed_after(options_.header_time, client);
-}
-
 TEST_F(Refusals, HeadersThatDripEndTheConnection) {
   PageClient client = connect();
   client.send("GET / HTTP/1.1\r\n");
@@ -163,17 +120,6 @@ TEST_F(Refusals, HeadersThatDripEndTheConnection) {
     closed = client.is_closed(300ms);
   }
   EXPECT_TRUE(closed || client.is_closed());
-}
-
-TEST_F(Refusals, HeadersThatTakeMostOfTheirTimeAreServed) {
-  PageClient client = connect();
-  for (int i = 0; i < 3; ++i) {
-    client.send("GET / HTTP/1.1\r\n");
-    clock_.advance(options_.header_time - 1ms);
-    EXPECT_FALSE(client.is_closed(150ms));
-    client.send("Host: " + host() + "\r\n\r\n");
-    EXPECT_EQ(client.reply().status, 200) << "each request has that time";
-  }
 }
 
 TEST_F(Refusals, ASlowBodyEndsTheConnection) {
@@ -230,18 +176,6 @@ TEST_F(Refusals, ConflictingLengthsAreRefused) {
   EXPECT_TRUE(orders().empty());
 }
 
-TEST_F(Refusals, ALengthThatIsToldTwiceIsRefusedThoughBothAgree) {
-  const std::string fields = own_origin() + json_type() + authorization();
-  EXPECT_EQ(stop_with(fields + "Content-Length: 2\r\n").status, 400);
-  const std::string head = "POST /stop HTTP/1.1\r\nHost: " + host() + "\r\n" + fields;
-  EXPECT_EQ(reply_to(head + "Content-Length: 2, 2\r\n\r\n{}").status, 400);
-  EXPECT_EQ(
-      reply_to("GET / HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 0\r\nContent-Length: 0\r\n\r\n")
-          .status,
-      400);
-  EXPECT_TRUE(orders().empty());
-}
-
 TEST_F(Refusals, ARequestHiddenInABodyIsNotServed) {
   const std::string hidden = fmt::format("GET /page.css HTTP/1.1\r\nHost: {}\r\n\r\n", host());
   PageClient client = connect();
@@ -249,13 +183,6 @@ TEST_F(Refusals, ARequestHiddenInABodyIsNotServed) {
                           hidden));
   EXPECT_EQ(client.reply().status, 400);
   EXPECT_TRUE(client.is_closed());
-}
-
-TEST_F(Refusals, StartWithoutControlIsRefused) {
-  const auto reply = connect().post("/start", token(), "{}");
-  EXPECT_EQ(reply.status, 403);
-  EXPECT_THAT(reply.body, HasSubstr("--control"));
-  EXPECT_TRUE(orders().empty());
 }
 
 // --- how many ---------------------------------------------------------------------------------------------
@@ -281,49 +208,6 @@ TEST_F(Refusals, TooManyMarksAreRefusedWithTheLimitAndAStopNeverIs) {
   EXPECT_THAT(reply.body, HasSubstr("3 marks"));
   for (int i = 0; i < 10; ++i) EXPECT_EQ(connect().post("/stop", token(), "{}").status, 204);
   EXPECT_EQ(orders().size(), 13U);
-}
-
-TEST_F(Refusals, AMarkThatIsRefusedForItsNoteDoesNotCount) {
-  options_.marks = 1;
-  options_.mark_period = 1h;
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(connect().post("/mark", token(), R"({"note":7})").status, 400);
-  EXPECT_EQ(connect().post("/mark", token(), "{}").status, 204);
-}
-
-TEST_F(Refusals, StreamsThatWaitedTogetherDoNotExceedTheLimit) {
-  options_.clients = 2;
-  std::vector<PageClient> open;
-  for (int i = 0; i < 3; ++i) {
-    open.push_back(connect());
-    ASSERT_EQ(open.back().upgrade().status, 101);
-  }
-  for (std::size_t i = 0; i < open.size(); ++i) {
-    open[i].send_text(fmt::format(R"({{"token":"{}"}})", token()));
-    ASSERT_TRUE(comes_true([&] { return server().clients() == std::min<std::size_t>(i + 1, 2); }));
-  }
-  EXPECT_EQ(open.back().receive().close_code, 1013);
-  EXPECT_EQ(server().clients(), 2U);
-}
-
-TEST_F(Refusals, StreamsWithoutTokenKeepNobodyOut) {
-  std::vector<PageClient> silent;
-  for (int i = 0; i < 40; ++i) {
-    silent.push_back(connect());
-    ASSERT_EQ(silent.back().upgrade().status, 101);
-  }
-  PageClient client = open_stream(server().port(), token());
-  EXPECT_TRUE(comes_true([&] { return server().clients() == 1; }));
-  EXPECT_TRUE(silent.front().is_closed());
-}
-
-TEST_F(Refusals, AThousandConnectionsThatSayNothingLeaveTheServerServing) {
-  std::vector<PageClient> silent;
-  silent.reserve(800);
-  for (int i = 0; i < 800; ++i) silent.push_back(connect());
-  for (int i = 0; i < 200; ++i) connect();
-  EXPECT_EQ(connect().get("/").status, 200);
-  EXPECT_EQ(connect().post("/stop", token(), "{}").status, 204);
-  EXPECT_EQ(orders().size(), 1U);
 }
 
 }  // namespace thermorig::web

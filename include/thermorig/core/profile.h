@@ -74,6 +74,7 @@ struct GyroProfile {
   PortProfile link{.baud = 115200, .latency_s = 0.0, .latency_uncertainty_s = 0.002};
   std::string model = "WitMotion";
   std::string protocol = "witmotion";      // a name of sensors/gyro_protocol.h
+  std::string sketch;                      // that prints its lines: sensors/gyro_sketch.h; empty: none named
   TextColumns text;                        // of a protocol that has columns
   std::map<std::string, double> settings;  // of its protocol, by name; one that is not stated is 0
   double output_rate_hz = 200.0;           // nominal

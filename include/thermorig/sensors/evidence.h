@@ -18,6 +18,7 @@ struct Evidence {
   std::optional<TextFormat> text_format;   // of lines of text: how they are read
   std::string advice;                      // it cannot be used as it is: what to try; else empty
   std::map<std::string, double> settings;  // what the profile has to say of a gyro that sends these
+  bool is_asked_otherwise = false;  // a recording asks it for better ones, so that no profile need say that
 };
 
 /// A baud rate that devices of a protocol are usually set to.

@@ -33,6 +33,7 @@ struct GyroProtocol {
   bool has_columns = false;  // it sends lines of text; [gyro.text] says what their columns are
   std::span<const GyroSetting> settings;
   std::span<const UsualBaud> bauds;
+  double usual_rate_hz = 200.0;  // samples a second, as it comes or as one sets it at its usual baud
 
   ClockProperties (*clock)(const GyroProfile& profile);
 
@@ -44,6 +45,8 @@ struct GyroProtocol {
   /// What it is told or asked when its port opens and while nothing comes; `asked`: how often already, in
   /// vain. What makes it send samples, where it does not by itself. None: it hears nothing.
   std::vector<std::uint8_t> (*request)(const GyroProfile& profile, unsigned asked) = nullptr;
+  /// What is to be known of the rates that the profile chooses; empty: nothing. None: never anything.
+  std::string_view (*remark)(const GyroProfile& profile) = nullptr;
   bool is_told_rate = false;  // the request says the profile's rate: what comes without it has another
   /// The bandwidth of its low-pass, by what it answered among these bytes. Nothing: they do not say. None: it
   /// cannot be asked.

@@ -31,6 +31,7 @@ struct TextFormat {
   bool rates_known = false;              // words, or a known sketch, say which columns are the rates
   bool scale_known = false;              // and in which unit
   bool is_counts = false;                // the rates are whole numbers, in no unit that is said
+  std::string sketch;                    // whose lines they are (gyro_sketch.h), where their words tell it
   std::string refusal;                   // why rates cannot be read from these lines; else empty
   std::string advice;                    // then: what to try
   std::vector<std::string> assumptions;  // what was concluded from what, a sentence each

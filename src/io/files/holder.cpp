@@ -5,8 +5,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
+#include <string>
 
+#include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
 
 namespace thermorig::files {
@@ -71,6 +75,26 @@ std::optional<std::string> other_holder_of(const fs::path& path, Use use, const 
 std::string holder_of(const fs::path& path) {
   if (auto other = other_holder_of(path)) return *other;
   return holds("/proc/self", system_name(path), Use::any) ? "this process" : "another program";
+}
+
+namespace {
+
+OpenFile opened(const std::filesystem::path& path, Disk& disk) {
+  const auto opened = disk.open_to_lock(path);
+  if (!opened.good())
+    throw Error(ExitCode::storage, std::string("cannot be opened: ") + std::strerror(opened.error_number),
+                path.string(), "check its permissions");
+  return opened.value;
+}
+
+}  // namespace
+
+FileLock::FileLock(const std::filesystem::path& path, Wait wait, Disk& disk)
+    : file_(disk, opened(path, disk)) {
+  const int result = disk.lock(file_.get(), wait);
+  // A file system without locks (some of the network): one program at a time is up to the user there.
+  held_ = result != EWOULDBLOCK;
+  certain_ = result == 0;
 }
 
 }  // namespace thermorig::files

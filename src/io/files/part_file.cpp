@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "thermorig/core/error.h"
-#include "thermorig/io/files/file_lock.h"
 #include "thermorig/io/files/holder.h"
 #include "thermorig/io/files/replaced_file.h"
 

@@ -11,7 +11,7 @@
 #include <new>
 
 #include "blocks.h"
-#include "thermorig/io/files/unlinked_file.h"
+#include "thermorig/io/files/descriptor.h"
 
 namespace thermorig::spill {
 

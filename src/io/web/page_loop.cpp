@@ -15,8 +15,6 @@
 #include "answer.h"
 #include "assets.h"
 #include "beast.h"
-#include "client_json.h"
-#include "mark_limit.h"
 #include "request_check.h"
 #include "streams.h"
 
@@ -128,11 +126,11 @@ struct PageLoop::Impl {
   Impl(const ServerOptions& server_options, Listeners listeners, std::string token,
        std::function<void(const Order&)> order_taker)
       : options(server_options),
-        gate{listeners.port(), std::move(token), server_options.control, server_options.data != nullptr},
+        gate{listeners.port, std::move(token), server_options.control, server_options.data != nullptr},
         ordered(std::move(order_taker)),
         hand_over(server_options.queue_bytes) {
-    acceptors.emplace_back(context, tcp::v4(), listeners.take_v4());
-    if (const int v6 = listeners.take_v6(); v6 >= 0) acceptors.emplace_back(context, tcp::v6(), v6);
+    acceptors.emplace_back(context, tcp::v4(), listeners.v4.release());
+    if (listeners.v6) acceptors.emplace_back(context, tcp::v6(), listeners.v6.release());
     for (tcp::acceptor& acceptor : acceptors) spawn(accept(acceptor), [] {});
     wait_for_tick();
   }
@@ -161,23 +159,13 @@ struct PageLoop::Impl {
   }
 
   void admit(tcp::socket socket) {
-    if (leaving) return;
-    if (connections.size() >= connections_max) evict_connection();
+    if (leaving || connections.size() >= connections_max) return;  // which closes it
     error_code no_matter;
     socket.set_option(tcp::no_delay(true), no_matter);
     const auto connection =
         std::make_shared<Connection>(std::move(socket), options.now() + options.header_time);
     connections.push_back(connection);
     spawn(serve(connection), [this, connection] { forget(connection); });
-  }
-
-  /// The one that has said nothing for longest makes room, so that silent ones keep nobody out.
-  void evict_connection() {
-    auto oldest =
-        std::find_if(connections.begin(), connections.end(), [](const auto& other) { return other->idle; });
-    if (oldest == connections.end()) oldest = connections.begin();
-    close((*oldest)->socket);
-    connections.erase(oldest);
   }
 
   void forget(const std::shared_ptr<Connection>& connection) {
@@ -298,7 +286,7 @@ struct PageLoop::Impl {
     const auto order = parse_order(order_kind(view(request.target())), request.body());
     if (const auto* refusal = std::get_if<Refusal>(&order)) return *refusal;
     if (leaving) return Refusal{503, "the run is over"};
-    if (std::get<Order>(order).kind == OrderKind::mark && !mark_limit.take(options.now()))
+    if (std::get<Order>(order).kind == OrderKind::mark && !take_mark())
       return Refusal{429, fmt::format("no more than {} marks can be set at once, then one in {:g} s",
                                       options.marks, options.mark_period / 1.0s)};
     try {
@@ -307,6 +295,15 @@ struct PageLoop::Impl {
       return Refusal{500, "the program could not take this order"};
     }
     return std::nullopt;
+  }
+
+  /// Some at once, then one a period: each is a record of the journal, which a key that is held down would
+  /// fill the disk with.
+  bool take_mark() {
+    const Time now = options.now(), due = std::max(mark_due, now);
+    if (due - now > options.mark_period * (options.marks - 1)) return false;
+    mark_due = due + options.mark_period;
+    return true;
   }
 
   // --- time --------------------------------------------------------------------------------------------
@@ -387,7 +384,7 @@ struct PageLoop::Impl {
   const ServerOptions options;
   const Gate gate;
   const std::function<void(const Order&)> ordered;
-  MarkLimit mark_limit{options.marks, options.mark_period};
+  Time mark_due = Time::min();  // of the next one, if there were one a period
   std::list<tcp::acceptor> acceptors;
   asio::steady_timer tick{context};
   std::list<std::shared_ptr<Connection>> connections;

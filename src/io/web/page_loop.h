@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "listeners.h"
 #include "message_queue.h"
+#include "thermorig/io/files/descriptor.h"
 #include "thermorig/io/web/server.h"
 
 namespace thermorig::web {
+
+/// Sockets that listen on one port of 127.0.0.1 and, where the machine has it, of ::1. No other address.
+struct Listeners {
+  files::Descriptor v4, v6;
+  std::uint16_t port = 0;
+};
 
 /// Connections, requests and streams, on a thread of its own. What is allowed is said in request_check.h, who
 /// gets which message in message_queue.h and backlog.h.

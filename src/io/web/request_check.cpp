@@ -2,10 +2,17 @@
 #include "request_check.h"
 
 #include <fmt/format.h>
+#include <sys/random.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <nlohmann/json.hpp>
 
-#include "token.h"
+#include "thermorig/core/code_point.h"
+#include "thermorig/core/error.h"
 
 namespace thermorig::web {
 
@@ -137,6 +144,95 @@ std::optional<Refusal> check(const RequestHead& head, const Gate& gate) {
   if (*where == Route::stream) return check_stream(head);
   if (*where == Route::data) return check_data(head, gate);
   return std::nullopt;
+}
+
+namespace {
+
+constexpr std::string_view digits = "0123456789abcdef";
+constexpr std::size_t token_bytes = 16;
+
+}  // namespace
+
+std::string make_token() {
+  std::array<std::uint8_t, token_bytes> random{};
+  // So few bytes come whole or not at all (getrandom(2)).
+  ssize_t count = -1;
+  do count = ::getrandom(random.data(), random.size(), 0);
+  while (count < 0 && errno == EINTR);
+  if (count != static_cast<ssize_t>(random.size()))
+    throw Error(ExitCode::failed, std::string("the system gives no random numbers: ") + std::strerror(errno),
+                "getrandom", "check the system");
+  std::string token;
+  for (const std::uint8_t byte : random) {
+    token += digits[byte >> 4U];
+    token += digits[byte & 15U];
+  }
+  return token;
+}
+
+bool is_token(std::string_view text) {
+  return text.size() == 2 * token_bytes && text.find_first_not_of(digits) == std::string_view::npos;
+}
+
+bool same_token(std::string_view shown, std::string_view token) {
+  // The length is no secret; the digits are.
+  if (shown.size() != token.size() || token.empty()) return false;
+  unsigned difference = 0;
+  for (std::size_t i = 0; i < token.size(); ++i)
+    difference |=
+        static_cast<unsigned char>(shown[i]) ^ static_cast<unsigned>(static_cast<unsigned char>(token[i]));
+  return difference == 0;
+}
+
+namespace {
+
+/// Nothing that a client sends is deeper than one object; whatever is deeper is not even stored.
+nlohmann::json parse_flat(std::string_view text) {
+  using Event = nlohmann::json::parse_event_t;
+  bool deep = false;
+  const auto shallow = [&deep](int depth, Event event, const nlohmann::json&) {
+    const bool opens = event == Event::object_start || event == Event::array_start;
+    deep = deep || (opens && depth > 0);
+    return !deep;
+  };
+  auto value = nlohmann::json::parse(text, shallow, false);
+  return deep ? nlohmann::json(nlohmann::json::value_t::discarded) : value;
+}
+
+std::optional<Refusal> check_note(std::string_view note) {
+  std::size_t characters = 0;
+  for (; !note.empty(); ++characters) {
+    const auto character = first_character(note);
+    if (!character || !is_plain(character->code_point))
+      return Refusal{400, "a note has visible characters only, in one line and one direction"};
+    note.remove_prefix(character->bytes);
+  }
+  if (characters > note_characters_max)
+    return Refusal{400, fmt::format("a note has at most {} characters", note_characters_max)};
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::variant<Order, Refusal> parse_order(OrderKind kind, std::string_view body) {
+  const nlohmann::json value = parse_flat(body);
+  if (!value.is_object()) return Refusal{400, "an order's body is a JSON object with nothing nested in it"};
+  Order order{kind, ""};
+  if (kind != OrderKind::mark) return order;
+  const auto note = value.find("note");
+  if (note == value.end()) return order;
+  if (!note->is_string()) return Refusal{400, "a note is a text"};
+  order.note = note->get<std::string>();
+  if (auto refusal = check_note(order.note)) return *std::move(refusal);
+  return order;
+}
+
+bool shows_token(std::string_view message, std::string_view token) {
+  const nlohmann::json value = parse_flat(message);
+  if (!value.is_object()) return false;
+  const auto shown = value.find("token");
+  return shown != value.end() && shown->is_string() &&
+         same_token(shown->get_ref<const std::string&>(), token);
 }
 
 }  // namespace thermorig::web

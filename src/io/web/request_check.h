@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "assets.h"
 #include "thermorig/io/web/server.h"
@@ -59,5 +60,19 @@ OrderKind order_kind(std::string_view target);
 /// Everything that is checked before a body is read, in the order of docs/live_page.md: host, target, method,
 /// origin, type of content, token, permission to start. Nothing if all is well.
 std::optional<Refusal> check(const RequestHead& head, const Gate& gate);
+
+/// 128 bits of the system's random numbers as 32 lower-case hexadecimal digits. Throws Error(failed).
+std::string make_token();
+
+bool is_token(std::string_view text);
+
+/// Takes as long for a nearly right token as for a wholly wrong one.
+bool same_token(std::string_view shown, std::string_view token);
+
+/// The order of a POST's body, or why it is refused. Never throws on account of the body.
+std::variant<Order, Refusal> parse_order(OrderKind kind, std::string_view body);
+
+/// Is this a stream's first message, with the right token?
+bool shows_token(std::string_view message, std::string_view token);
 
 }  // namespace thermorig::web

@@ -3,14 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <boost/beast/websocket/stream.hpp>
 #include <chrono>
 #include <exception>
 #include <utility>
 
 #include "answer.h"
-#include "client_json.h"
+#include "request_check.h"
 
 namespace thermorig::web {
 
@@ -24,8 +23,7 @@ using std::chrono_literals::operator""s;
 
 namespace {
 
-constexpr std::size_t unknown_max = 16;  // that have not shown their token yet
-constexpr auto closing_time = 5s;        // until the other side has said goodbye as well
+constexpr auto closing_time = 5s;  // until the other side has said goodbye as well
 
 /// Without compression: what is sent is small, and takes no memory for each page.
 using Stream = websocket::stream<tcp::socket, false>;
@@ -90,26 +88,15 @@ void Streams::spawn(asio::awaitable<void> work, Done done) {
 std::optional<Refusal> Streams::check(std::size_t bytes_ahead) const {
   if (bytes_ahead > 0) return Refusal{400, "a stream's first message waits for the answer"};
   if (leaving_) return Refusal{503, "the run is over"};
-  if (count_ < options_.clients) return std::nullopt;
+  if (clients_.size() < options_.clients) return std::nullopt;
   return Refusal{503, fmt::format("{} pages are open already; close one of them", options_.clients)};
 }
 
 void Streams::open(tcp::socket connection, HttpRequest request, std::string host) {
-  evict_unknown();
   const auto client = std::make_shared<Client>(std::move(connection), options_.queue_bytes);
   client->set_up(options_, std::move(host));
   clients_.push_back(client);
   spawn(hold(client, std::move(request)), [this, client] { part_with(client); });
-}
-
-/// Those that show no token keep nobody out.
-void Streams::evict_unknown() {
-  const auto unknown = [](const ClientPointer& client) { return !client->known; };
-  if (std::count_if(clients_.begin(), clients_.end(), unknown) < static_cast<std::ptrdiff_t>(unknown_max))
-    return;
-  const auto oldest = std::find_if(clients_.begin(), clients_.end(), unknown);
-  (*oldest)->cut();
-  clients_.erase(oldest);
 }
 
 void Streams::part_with(const ClientPointer& client) {
@@ -144,8 +131,7 @@ asio::awaitable<void> Streams::hold(ClientPointer client, HttpRequest request) {
 std::uint16_t Streams::refused_because(const Client& client, std::string_view message) const {
   if (!client.stream.got_text()) return websocket::close_code::unknown_data;
   if (!shows_token(message, token_)) return websocket::close_code::policy_error;
-  // It has waited for its turn while others came in.
-  if (count_ >= options_.clients || leaving_) return websocket::close_code::try_again_later;
+  if (leaving_) return websocket::close_code::try_again_later;
   return websocket::close_code::none;
 }
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-#include "backlog.h"
 #include "beast.h"
+#include "message_queue.h"
 #include "request_check.h"
 
 namespace thermorig::web {
@@ -54,7 +54,6 @@ class Streams {
   boost::asio::awaitable<void> write_queue(ClientPointer client);
   std::uint16_t refused_because(const Client& client, std::string_view message) const;
   void welcome(const ClientPointer& client);
-  void evict_unknown();
   bool is_overdue(const Client& client, ServerOptions::Time now) const;
   void ask_if_silent(const ClientPointer& client, ServerOptions::Time now) const;
   void part_with(const ClientPointer& client);

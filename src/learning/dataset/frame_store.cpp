@@ -7,16 +7,19 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <mutex>
 #include <utility>
 #include <vector>
 
-#include "packed_frames.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/frame.h"
-#include "thermorig/io/files/unlinked_file.h"
+#include "thermorig/io/files/descriptor.h"
 
 namespace thermorig::dataset {
 
@@ -101,48 +104,81 @@ class FrameFile {
   std::uint64_t bytes_ = 0;
 };
 
-/// Frames of an acquisition in memory.
-class FramesInMemory final : public network::StoredFrames {
- public:
-  explicit FramesInMemory(PackedFrames packed) : packed_(std::move(packed)) {}
+/// The pixels of an acquisition: whole hundredths of a degree, or floats where a bit would be lost.
+struct Packed {
+  std::vector<std::byte> bytes;
+  bool as_hundredths = false;
 
-  void read(std::size_t first, std::span<float> temp_c) const override {
-    unpack_frames(&packed_.bytes[packed_.begin[first]], temp_c);
+  std::size_t frame_bytes() const {
+    return frame_pixels * (as_hundredths ? sizeof(std::int16_t) : sizeof(float));
   }
-
-  void announce(std::size_t, std::size_t) const override {}
-
- private:
-  PackedFrames packed_;
 };
 
-/// Those that lie in a file.
-class FramesInFile final : public network::StoredFrames {
+float temp_c_of(std::int16_t hundredths) {
+  return static_cast<float>(hundredths) / 100.0F;
+}
+
+std::span<const std::byte> bytes_of(const auto& values) {
+  return std::as_bytes(std::span(values));
+}
+
+Packed pack(const std::vector<float>& temp_c) {
+  constexpr float most = std::numeric_limits<std::int16_t>::max() + 0.25F;  // scaling has rounded
+  std::vector<std::int16_t> hundredths;
+  hundredths.reserve(temp_c.size());
+  for (const float one : temp_c) {
+    const float scaled = one * 100.0F;
+    if (!(std::abs(scaled) <= most)) break;
+    const auto whole = static_cast<std::int16_t>(std::lrint(scaled));
+    if (std::bit_cast<std::uint32_t>(temp_c_of(whole)) != std::bit_cast<std::uint32_t>(one)) break;
+    hundredths.push_back(whole);
+  }
+  const bool fits = hundredths.size() == temp_c.size();
+  const std::span<const std::byte> kept = fits ? bytes_of(hundredths) : bytes_of(temp_c);
+  return {{kept.begin(), kept.end()}, fits};
+}
+
+/// In memory, or in a file.
+class Frames final : public network::StoredFrames {
  public:
-  /// `begin`: of each frame in the file, and of the end.
-  FramesInFile(std::shared_ptr<const FrameFile> file, std::vector<std::uint64_t> begin)
-      : file_(std::move(file)), begin_(std::move(begin)) {}
+  explicit Frames(Packed packed) : packed_(std::move(packed)) {}
+  Frames(Packed packed, std::shared_ptr<const FrameFile> file, std::uint64_t at)
+      : packed_({{}, packed.as_hundredths}), file_(std::move(file)), at_(at) {}
 
   void read(std::size_t first, std::span<float> temp_c) const override {
     constexpr std::size_t frames_at_once = 8;
-    std::array<std::byte, frames_at_once * packed_frame_bytes> part;
-    while (!temp_c.empty()) {
-      const std::size_t frames = std::min(frames_at_once, temp_c.size() / frame_pixels);
-      const auto bytes = std::span(part).first(begin_[first + frames] - begin_[first]);
-      file_->read(begin_[first], bytes);
-      unpack_frames(bytes.data(), temp_c.first(frames * frame_pixels));
-      temp_c = temp_c.subspan(frames * frame_pixels);
-      first += frames;
+    std::array<std::byte, frames_at_once * frame_bytes> part;
+    for (; !temp_c.empty(); first += frames_at_once) {
+      const auto out = temp_c.first(std::min(temp_c.size(), frames_at_once * frame_pixels));
+      const std::size_t begin = first * packed_.frame_bytes();
+      const auto bytes = std::span(part).first(out.size() / frame_pixels * packed_.frame_bytes());
+      if (file_) file_->read(at_ + begin, bytes);
+      unpack(file_ ? bytes.data() : &packed_.bytes[begin], out);
+      temp_c = temp_c.subspan(out.size());
     }
   }
 
   void announce(std::size_t first, std::size_t frames) const override {
-    file_->announce(begin_[first], begin_[first + frames] - begin_[first]);
+    if (file_) file_->announce(at_ + first * packed_.frame_bytes(), frames * packed_.frame_bytes());
   }
 
  private:
+  void unpack(const std::byte* from, std::span<float> temp_c) const {
+    if (!packed_.as_hundredths) {
+      std::memcpy(temp_c.data(), from, temp_c.size_bytes());
+      return;
+    }
+    for (float& one : temp_c) {
+      std::int16_t hundredths = 0;
+      std::memcpy(&hundredths, from, sizeof hundredths);
+      one = temp_c_of(hundredths);
+      from += sizeof hundredths;
+    }
+  }
+
+  Packed packed_;  // of a file: no bytes
   std::shared_ptr<const FrameFile> file_;
-  std::vector<std::uint64_t> begin_;
+  std::uint64_t at_ = 0;  // in the file
 };
 
 }  // namespace
@@ -163,12 +199,11 @@ struct FrameStore::Parts {
     return file->take_room(bytes);
   }
 
-  std::shared_ptr<const network::StoredFrames> stored(PackedFrames packed) {
-    if (fits_in_memory(packed.size())) return std::make_shared<FramesInMemory>(std::move(packed));
+  std::shared_ptr<const network::StoredFrames> stored(Packed packed) {
+    if (fits_in_memory(packed.bytes.size())) return std::make_shared<Frames>(std::move(packed));
     const std::uint64_t at = take_room(packed.bytes.size());
     file->write(at, packed.bytes);
-    for (std::uint64_t& begin : packed.begin) begin += at;
-    return std::make_shared<FramesInFile>(file, std::move(packed.begin));
+    return std::make_shared<Frames>(std::move(packed), file, at);
   }
 
   mutable std::mutex mutex;
@@ -184,7 +219,7 @@ FrameStore::~FrameStore() = default;
 
 void FrameStore::take(network::Acquisition& acquisition) {
   if (acquisition.temp_c.empty()) return;
-  acquisition.stored = parts_->stored(pack_frames(acquisition.temp_c));
+  acquisition.stored = parts_->stored(pack(acquisition.temp_c));
   acquisition.temp_c = std::vector<float>();
 }
 

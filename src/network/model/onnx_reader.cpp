@@ -15,7 +15,6 @@
 #include "thermorig/core/error.h"
 #include "thermorig/core/git_lfs.h"
 #include "thermorig/network/model/model.h"
-#include "wire_check.h"
 
 namespace thermorig::model {
 
@@ -47,7 +46,12 @@ onnx::ModelProto parse(std::span<const std::uint8_t> bytes) {
   const google::protobuf::LogSilencer silencer;
   onnx::ModelProto file;
   if (!file.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
-    throw Refusal("it is no ONNX file, or a damaged one");
+    throw Refusal("it is no ONNX file, a damaged one, or one that was cut off", "copy or export it again");
+  const onnx::GraphProto& graph = file.graph();
+  if (file.functions_size() + file.training_info_size() + graph.quantization_annotation_size() +
+          graph.sparse_initializer_size() >
+      0)
+    throw Refusal("its graph has functions, sparse or quantised tensors, which this network has not");
   return file;
 }
 
@@ -102,7 +106,6 @@ void check_scaling(const NetworkGraph& graph, const network::Scaling& scaling, b
 
 Model model_of(std::span<const std::uint8_t> bytes) {
   check_kind(bytes);
-  check_wire(bytes);
   const onnx::ModelProto file = parse(bytes);
   check_versions(file);
   const NetworkGraph graph = network_of(file.graph());

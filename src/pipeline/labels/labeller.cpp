@@ -6,16 +6,128 @@
 #include <cmath>
 #include <limits>
 
-#include "label_terms.h"
 #include "pulse_period.h"
 #include "shaft_model.h"
 #include "thermorig/core/estimate.h"
+#include "thermorig/core/sync.h"
+#include "thermorig/pipeline/labels/gyro_track.h"
 #include "thermorig/pipeline/labels/intervals.h"
 #include "thermorig/pipeline/labels/servo_response.h"
 
 namespace thermorig::labels {
 
 namespace {
+
+constexpr double assumed_slope_error = 0.005;  // along the travel, of hobby servos
+constexpr double assumed_ripple_dps = 0.3;     // of an exposure's mean, where the loop is only guessed
+constexpr double least_gyro_error_dps = 0.05;  // resolution and cross axes
+constexpr double least_model_error_dps =
+    0.06;  // what is the same in all frames of a speed, and hides in its mean
+constexpr double chance_deviations = 3.0;
+
+/// Straight between the speeds of the table, constant beyond them. It is not empty.
+template <typename Column>
+double tabled(const ServoResponse& response, double rate_dps, const Column& column) {
+  const auto& speeds = response.speeds;
+  const auto slower = [](const ServoResponse::AtSpeed& at, double rate) { return at.rate_dps < rate; };
+  const auto next = std::lower_bound(speeds.begin(), speeds.end(), rate_dps, slower);
+  if (next == speeds.begin()) return column(speeds.front());
+  if (next == speeds.end()) return column(speeds.back());
+  const auto before = next - 1;
+  const double share = (rate_dps - before->rate_dps) / (next->rate_dps - before->rate_dps);
+  return std::lerp(column(*before), column(*next), share);
+}
+
+/// What the fit left at that speed; nullptr: it knows none.
+const ServoResponse::AtSpeed* known_at(const ServoResponse& response, double commanded_dps) {
+  const ServoResponse::AtSpeed* const seen = response.fitted ? seen_at(response, commanded_dps) : nullptr;
+  return seen != nullptr && std::isfinite(seen->residual_dps) ? seen : nullptr;
+}
+
+/// How much faster the shaft was than the model has it, on the scale of the response.
+double beyond_model_dps(const ServoResponse& response, const ServoResponse::AtSpeed& seen) {
+  return response.scale.value / response.gyro_ratio.value * seen.residual_dps;
+}
+
+/// Noise that explains nothing where none is known: a spread then counts as motion.
+double known_noise_dps(const GyroErrors& errors) {
+  return std::isfinite(errors.noise_dps) ? errors.noise_dps : 0.0;
+}
+
+/// What the model of a response leaves unexplained at a speed, one standard deviation: of exposure means
+/// against the gyro, or, where nothing was fitted, what servos of the kind are known for.
+double model_deviation_dps(const ServoResponse& response, double rate_dps) {
+  const bool measured = !response.speeds.empty() || std::isfinite(response.residual_dps);
+  if (!response.fitted || !measured) return std::hypot(assumed_ripple_dps, assumed_slope_error * rate_dps);
+  if (response.speeds.empty()) return response.residual_dps;
+  const double tabled_dps = tabled(response, rate_dps, [](const ServoResponse::AtSpeed& at) {
+    return std::hypot(at.residual_dps, at.spread_dps, least_model_error_dps);
+  });
+  return std::isfinite(tabled_dps) ? tabled_dps : response.residual_dps;
+}
+
+/// Noise of a gyro sample while the shaft turns at that speed: as at rest, or more where gears are heard.
+/// `so_far_dps`: what was heard of them, where no response was fitted.
+double gyro_noise_dps(const GyroErrors& errors, const ServoResponse& response, double rate_dps,
+                      double so_far_dps) {
+  const double at_rest_dps = known_noise_dps(errors);
+  if (!response.fitted || response.speeds.empty()) return std::max(at_rest_dps, so_far_dps);
+  const double turning_dps =
+      tabled(response, rate_dps, [](const ServoResponse::AtSpeed& at) { return at.noise_dps; });
+  return std::fmax(at_rest_dps, turning_dps);
+}
+
+/// What the shaft makes of a commanded speed: times `gain`, that of the travel that the shaft passed
+/// meanwhile (scale in it), plus what the gyro saw beyond the model over this session's legs of that speed.
+/// Where nothing was fitted, what was commanded.
+double corrected_dps(const ServoResponse& response, double commanded_dps, double gain) {
+  if (!response.fitted) return commanded_dps;
+  const ServoResponse::AtSpeed* const seen = known_at(response, commanded_dps);
+  return gain * commanded_dps + (seen == nullptr ? 0.0 : beyond_model_dps(response, *seen));
+}
+
+/// How far a label may be from the shaft's true speed over an exposure, one standard deviation: its distance
+/// from the model, which follows the shaft from frame to frame, and what is uncertain of that. What the gyro
+/// saw beyond the model at the commanded speed is added to the model first. `time_dps` for the time of the
+/// exposure. NaN without a model (`shaft_dps`).
+double label_deviation_dps(const ServoResponse& response, double commanded_dps, double label_dps,
+                           double shaft_dps, double time_dps) {
+  const double scale_dps = response.scale.uncertainty / response.scale.value * shaft_dps;
+  const ServoResponse::AtSpeed* const seen = known_at(response, commanded_dps);
+  const double off_dps = label_dps - shaft_dps - (seen == nullptr ? 0.0 : beyond_model_dps(response, *seen));
+  const double left_dps = seen == nullptr ? model_deviation_dps(response, commanded_dps)
+                                          : std::hypot(seen->spread_dps, least_model_error_dps);
+  return std::hypot(std::hypot(off_dps, left_dps), scale_dps, time_dps);
+}
+
+/// The gyro's mean, corrected, minus the shaft's speed as the gyro would see it, in units of its standard
+/// deviation: bias, noise (of a sample, `noise_dps`), the model's residual, `time_dps` for the time between
+/// gyro and model, and the scale between both. `bias_dps`: at that time. 0 where nothing can be said.
+double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
+                    double noise_dps, double bias_dps, double shaft_dps, double time_dps) {
+  if (gyro.count == 0 || gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return 0.0;
+  const double ratio = response.gyro_ratio.value / response.scale.value;
+  const double corrected_dps = (gyro.rate_dps - bias_dps) / errors.scale.value;
+  const double off_dps = corrected_dps - ratio * shaft_dps;
+  const double mean_noise_dps = noise_dps / std::sqrt(static_cast<double>(gyro.count));
+  const double deviation_dps =
+      std::hypot(std::hypot(errors.bias_dps->uncertainty, mean_noise_dps, least_gyro_error_dps),
+                 std::hypot(model_deviation_dps(response, shaft_dps), time_dps,
+                            response.gyro_ratio.uncertainty * shaft_dps));
+  return std::isfinite(off_dps) ? off_dps / deviation_dps : 0.0;
+}
+
+/// Whether gyro_spread is wider than `tolerance_dps`, beyond what such noise of a sample, and chance,
+/// explain.
+bool is_unsteady(const GyroMean& gyro, double noise_dps, double tolerance_dps) {
+  if (gyro.count == 0 || gyro.saturated) return false;
+  const double explained_dps2 = noise_dps * noise_dps / gyro.averaged;
+  // A variance by n independent values scatters by a share of sqrt(2 / n).
+  const double independent = std::max(static_cast<double>(gyro.count) / gyro.averaged, 2.0);
+  const double chance_dps2 = chance_deviations * explained_dps2 * std::sqrt(2.0 / independent);
+  return gyro.spread_dps * gyro.spread_dps > tolerance_dps * tolerance_dps + explained_dps2 + chance_dps2;
+}
+
 constexpr float coldest_c = -60.0F;
 constexpr float hottest_c = 400.0F;
 constexpr double disagreement = 3.0;        // standard deviations

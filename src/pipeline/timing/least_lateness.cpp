@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "silence.h"
 #include "thermorig/core/statistics.h"
 
 namespace thermorig::timing {
@@ -38,14 +37,15 @@ class Lateness {
     silence_s_ = by_cuts_ ? 0.0 : silence(cuts);
   }
 
-  LeastLateness run() {
+  LeastLateness run(std::size_t first_knot) {
     fill_blocks();
     const double covered = covered_share();
     typical_least_s_ = lower_quantile(message_least_s_, 0.5);
     wait_share_ = wait_share();
     mean_rise_s_ = mean_rise(0, knots_.size());
     LeastLateness result{.at_knots_s = {}, .longest_hold_s = silence_s_};
-    for (std::size_t knot = 0; knot < knots_.size(); ++knot) result.at_knots_s.push_back(at(knot, covered));
+    for (std::size_t knot = first_knot; knot < knots_.size(); ++knot)
+      result.at_knots_s.push_back(at(knot, covered));
     return result;
   }
 
@@ -74,9 +74,10 @@ class Lateness {
     std::vector<double> message_s;
     std::vector<double> block_s;
     std::size_t block = 0;
+    message_least_s_.reserve(x_.size());
     for (std::size_t i = 0; i < x_.size(); ++i) {
       if (const std::size_t now = block_of(i, block); now != block) {
-        add_spread(block_s, block_spreads_s_);
+        end_block(block_s, block);
         block = now;
       }
       if (i == 0 || x_[i] != x_[i - 1]) end_message(message_s, block);
@@ -86,22 +87,25 @@ class Lateness {
       blocks_[block].least_s = std::min(blocks_[block].least_s, late_s_[i]);
     }
     end_message(message_s, block);
-    add_spread(block_s, block_spreads_s_);
+    end_block(block_s, block);
   }
 
   void end_message(std::vector<double>& waits_s, std::size_t block) {
     if (waits_s.empty()) return;
     ++blocks_[block].messages;
-    message_least_s_.push_back(*std::min_element(waits_s.begin(), waits_s.end()));
-    add_spread(waits_s, message_spreads_s_);
+    const double least_s = *std::min_element(waits_s.begin(), waits_s.end());
+    message_least_s_.push_back(least_s);
+    if (by_cuts_) add_spread(waits_s, least_s, message_spreads_s_);
+    waits_s.clear();
   }
 
-  static void add_spread(std::vector<double>& waits_s, std::vector<double>& spreads_s) {
-    if (waits_s.size() >= 2) {
-      const double least_s = *std::min_element(waits_s.begin(), waits_s.end());
-      spreads_s.push_back(upper_quantile(waits_s, spread_share) - least_s);
-    }
+  void end_block(std::vector<double>& waits_s, std::size_t block) {
+    add_spread(waits_s, blocks_[block].least_s, block_spreads_s_);
     waits_s.clear();
+  }
+
+  static void add_spread(std::vector<double>& waits_s, double least_s, std::vector<double>& spreads_s) {
+    if (waits_s.size() >= 2) spreads_s.push_back(upper_quantile(waits_s, spread_share) - least_s);
   }
 
   /// How much of a USB frame the waits cover, 0 to 1.
@@ -186,8 +190,23 @@ class Lateness {
 
 LeastLateness least_lateness(std::span<const LatestBegin> latest, std::span<const double> x,
                              std::span<const double> late_s, double step_s,
-                             std::span<const SlidingFit::Knot> knots, const SlidingWindow& window) {
-  return Lateness(latest, x, late_s, step_s, knots, window).run();
+                             std::span<const SlidingFit::Knot> knots, const SlidingWindow& window,
+                             std::size_t first_knot) {
+  return Lateness(latest, x, late_s, step_s, knots, window).run(first_knot);
+}
+
+namespace {
+constexpr double fewest_chunks_due = 20.0;
+constexpr double fewest_cut_share = 0.1;  // of those that are due if the link cuts anywhere
+// An assumption: adaptors without a timer that can be set answer within a few USB frames.
+constexpr double longest_wait_s = 0.003;
+}  // namespace
+
+double longest_silence_s(const LineUse& use) {
+  if (use.step_s <= 0.0 || use.message_s <= 0.0) return 0.0;
+  const double due = std::min(1.0, use.message_s / use.step_s) * static_cast<double>(use.chunks);
+  if (due < fewest_chunks_due || static_cast<double>(use.cuts) > fewest_cut_share * due) return 0.0;
+  return std::clamp(use.step_s - use.message_s, 0.0, longest_wait_s);
 }
 
 }  // namespace thermorig::timing

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "silence.h"
+#include "least_lateness.h"
 
 namespace thermorig::timing {
 

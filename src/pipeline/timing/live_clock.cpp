@@ -5,9 +5,7 @@
 #include <cmath>
 
 #include "least_lateness.h"
-#include "lower_line.h"
 #include "parabola.h"
-#include "silence.h"
 #include "sliding_fit.h"
 
 namespace thermorig::timing {
@@ -257,14 +255,16 @@ void LiveClock::fit(double x) {
 void LiveClock::expect_lateness() {
   if (blocks_.empty() || !std::isfinite(level_) || !std::isfinite(slope_)) return;
   std::vector<double> x, late;
+  x.reserve(reads_.size());
+  late.reserve(reads_.size());
   for (const LatestBegin& read : reads_) {
     x.push_back(read.device_s);
     late.push_back(late_s(read.device_s, to_s(read.latest - *origin_)));
   }
   std::vector<SlidingFit::Knot> knots;
   for (const Block& block : blocks_) knots.push_back({block.begin_x + 0.5 * block_s_, {}, rise_});
-  const LeastLateness least =
-      least_lateness(reads_, x, late, 1.0 / rate_hz_, knots, {.length_s = window_s_, .block_s = block_s_});
+  const LeastLateness least = least_lateness(reads_, x, late, 1.0 / rate_hz_, knots,
+                                             {.length_s = window_s_, .block_s = block_s_}, knots.size() - 1);
   const Estimate& now_s = least.at_knots_s.back();
   longest_silence_s_ = least.longest_hold_s;
   // Through few points a line says little; that much is known beforehand.

@@ -5,7 +5,7 @@
 #include <deque>
 #include <optional>
 
-#include "lower_line.h"
+#include "parabola.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/timing/arrivals.h"
 

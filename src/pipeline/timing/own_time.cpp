@@ -14,7 +14,8 @@ namespace thermorig::timing {
 
 namespace {
 constexpr double counter_of_32_bits = 4294967296.0;
-constexpr std::array<double, 2> wraps_s{1e-6 * counter_of_32_bits, 1e-3 * counter_of_32_bits};
+constexpr std::array<double, 3> wraps_s{1e-6 * counter_of_32_bits, 1e-4 * counter_of_32_bits,
+                                        1e-3 * counter_of_32_bits};
 constexpr std::size_t fewest_times = 32;
 constexpr std::size_t lags = 4;       // a reset, an outage, a torn line spoil the fewer of steps that long
 constexpr double late_reads_s = 0.3;  // a reader on a busy host stalls for less

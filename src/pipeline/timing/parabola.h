@@ -45,4 +45,8 @@ double rise_without_holding(std::span<const Ceiling> ceilings, const Parabola& h
 /// can touch: with the curvature's bow added what is left is a lower convex hull.
 void keep_lower_hull(std::vector<Ceiling>& ceilings, std::size_t first, double curvature);
 
+/// Slope of the highest line below all of `ceilings` (ascending in x): that side of the lower hull which is
+/// above the mean of x (Zhang, Liu and Xia, INFOCOM 2002). None of it: `fallback`.
+double lower_line_slope(std::span<const Ceiling> ceilings, double fallback);
+
 }  // namespace thermorig::timing

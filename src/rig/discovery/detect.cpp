@@ -11,6 +11,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/sensors/hand_turn.h"
 
 namespace thermorig::rig {
@@ -115,7 +116,7 @@ class Listener {
     finding_.baud = has_baud_ ? steps_[step_ - 1].at.baud : 0;
     finding_.protocol = evidence.protocol;
     finding_.text_format = evidence.found.text_format;
-    finding_.settings = evidence.found.settings;
+    if (!evidence.found.is_asked_otherwise) finding_.settings = evidence.found.settings;
     finding_.rate_hz = rate_hz(evidence.found, now);
     step_ = steps_.size();
   }
@@ -155,9 +156,16 @@ double rounded_hz(double rate_hz) {
 void apply_gyro(const PortFinding& finding, GyroProfile& gyro) {
   const sensors::GyroProtocol& protocol = sensors::gyro_protocol(finding.protocol);
   if (gyro.protocol != finding.protocol) {
-    gyro.protocol = finding.protocol;
+    const double rate_hz = gyro.output_rate_hz;
+    sensors::choose_gyro(finding.protocol, gyro);
+    gyro.output_rate_hz = rate_hz;
     gyro.settings = finding.settings;
-    if (finding.text_format) gyro.text = finding.text_format->columns;
+    if (finding.text_format) {
+      gyro.sketch = finding.text_format->sketch;
+      if (const sensors::GyroSketch* sketch = sensors::find_gyro_sketch(gyro.sketch))
+        gyro.model = sketch->title;
+      gyro.text = finding.text_format->columns;
+    }
   }
   if (finding.axis) gyro.axis = *finding.axis;
   const bool is_other = std::abs(finding.rate_hz / gyro.output_rate_hz - 1.0) > same_rate;

@@ -10,8 +10,9 @@
 #include "device_presence.h"
 #include "thermorig/io/files/holder.h"
 #include "thermorig/rig/discovery/detect.h"
-#include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/sensors/device_stream.h"
+#include "thermorig/sensors/gyro_sketch.h"
 
 namespace thermorig::rig {
 
@@ -67,11 +68,24 @@ Error silent_device(Device device, const RigProfile& profile, const FirstBytes& 
     return other_protocol(device, evidence, expected.sends, where);
   if (!evidence.found.advice.empty())
     return {ExitCode::device_missing, "it sends " + evidence.found.text, where, evidence.found.advice};
-  if (evidence.role == device && evidence.found.text_format)
+  if (evidence.role == device && evidence.found.text_format) {
+    const std::string why = sensors::contradiction(profile.gyro, *evidence.found.text_format);
+    if (!why.empty())
+      return {ExitCode::device_missing,
+              fmt::format("{}; one is: {}", why, evidence.found.text_format->sample_line), where,
+              "thermorig ports --save NEW_NAME takes what the lines say; or change the sketch"};
     return {ExitCode::device_missing,
             fmt::format("its lines are not read as [gyro.text] of the profile says; one is: {}",
                         evidence.found.text_format->sample_line),
             where, "thermorig ports --save NEW_NAME takes what the lines say; or mend [gyro.text]"};
+  }
+  if (evidence.role == device && evidence.found.is_asked_otherwise)
+    return {
+        ExitCode::device_missing,
+        fmt::format("it was asked for {}, and goes on with {}", expected.sends, evidence.found.text), where,
+        fmt::format("connect the wire on which it hears (its RX); or record these: {} in [gyro.{}] of the "
+                    "profile",
+                    settings_text(evidence.found.settings), evidence.protocol)};
   if (evidence.role == device && !evidence.found.settings.empty())
     return {ExitCode::device_missing,
             fmt::format("it sends {}, which the rig profile does not ask for", evidence.found.text), where,

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "thermorig/core/error.h"
-#include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/rig/sweep/plan.h"
 
 namespace thermorig::rig {
 

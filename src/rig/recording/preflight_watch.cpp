@@ -10,7 +10,7 @@
 #include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/labels/freshness.h"
 #include "thermorig/pipeline/timing/own_time.h"
-#include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::rig {

@@ -9,8 +9,8 @@
 #include "disk_watch.h"
 #include "journal_sync.h"
 #include "thermorig/core/error.h"
-#include "thermorig/io/files/file_lock.h"
-#include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/io/files/holder.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::rig {

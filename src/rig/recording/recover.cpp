@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "thermorig/core/error.h"
-#include "thermorig/io/files/file_lock.h"
+#include "thermorig/io/files/holder.h"
 #include "thermorig/io/files/part_file.h"
 #include "thermorig/io/spill/spill.h"
 #include "thermorig/rig/recording/finalise.h"

@@ -9,7 +9,6 @@
 #include "thermorig/core/error.h"
 #include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/rig/sweep/plan.h"
-#include "thermorig/rig/sweep/yield.h"
 #include "thermorig/sensors/camera_protocol.h"
 
 namespace thermorig::rig {

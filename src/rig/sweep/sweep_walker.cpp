@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "servo_link.h"
-#include "servo_travel.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::rig {

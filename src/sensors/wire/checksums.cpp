@@ -25,4 +25,13 @@ std::uint16_t word_sum16(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint16_t>(low + (high << 8));
 }
 
+std::uint16_t crc16_xmodem(std::span<const std::uint8_t> bytes, std::uint16_t crc) {
+  for (const std::uint8_t byte : bytes) {
+    crc = static_cast<std::uint16_t>(crc ^ (byte << 8));
+    for (int bit = 0; bit < 8; ++bit)
+      crc = static_cast<std::uint16_t>((crc & 0x8000U) != 0 ? (crc << 1) ^ 0x1021U : crc << 1);
+  }
+  return crc;
+}
+
 }  // namespace thermorig::wire

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "thermorig/core/nearest_name.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/storage/recording_header/profile_fields.h"
 
 namespace thermorig::recording_header {
@@ -63,6 +64,10 @@ Problem problem_of_value(const ProfileField& field, const FieldValue& value) {
 /// Whether values that are allowed go together.
 Problem problem_of_all(const RigProfile& profile) {
   if (profile.gyro.sign == 0) return ProfileProblem{"gyro", "sign", "sign = 0 is out of range", "1 or -1"};
+  const sensors::GyroProtocol* const protocol = sensors::find_gyro_protocol(profile.gyro.protocol);
+  if (!profile.gyro.sketch.empty() && protocol != nullptr && !protocol->has_columns)
+    return ProfileProblem{"gyro", "sketch", "a sketch is named, but the protocol is " + profile.gyro.protocol,
+                          "protocol = \"text\", or no sketch"};
   const ServoProfile& servo = profile.servo;
   if (servo.pulse_min_us >= servo.pulse_max_us)
     return ProfileProblem{"servo", "pulse_min_us", "pulse_min_us is not below pulse_max_us",

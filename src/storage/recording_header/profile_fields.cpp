@@ -13,6 +13,7 @@
 #include "servo_link.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/gyro_sketch.h"
 
 namespace thermorig::recording_header {
 
@@ -147,9 +148,26 @@ void add_camera(Fields& fields) {
              "when the lens (from `pitch_scale` on) was calibrated, UTC; empty: assumptions");
 }
 
+/// Stands in front of what it says of a gyro: keys behind it may say otherwise.
+void add_sketch(Fields& fields) {
+  Words names{""};
+  for (const sensors::GyroSketch& sketch : sensors::gyro_sketches())
+    if (!sketch.name.empty()) names.emplace_back(sketch.name);
+  Table<GyroProfile>(fields, "gyro", &RigProfile::gyro)
+      .text("sketch", &GyroProfile::sketch,
+            "of text gyros: whose lines (protocols/text_gyro.md), with all that "
+            "this says of the keys below; empty: none",
+            names);
+  fields.back().set = [](RigProfile& profile, const FieldValue& value) {
+    const std::string& name = std::get<std::string>(value);
+    if (!name.empty()) sensors::choose_gyro(name, profile.gyro);
+  };
+}
+
 void add_gyro(Fields& fields) {
   using Gyro = GyroProfile;
   const Words protocols = sensors::gyro_protocol_names();
+  add_sketch(fields);
   add_link(fields, "gyro", Device::gyro);
   Table<Gyro> table(fields, "gyro", &RigProfile::gyro);
   table.text("model", &Gyro::model, "free text");

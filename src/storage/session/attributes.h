@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "hdf5_handle.h"
-#include "stored_type.h"
 
 namespace thermorig::session {
 

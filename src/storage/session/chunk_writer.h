@@ -13,9 +13,16 @@
 #include <vector>
 
 #include "hdf5_handle.h"
-#include "stored_dataset.h"
 
 namespace thermorig::session {
+
+/// What was stored of one dataset: what a look at the finished file is compared with.
+struct StoredDataset {
+  std::string path;
+  std::uint64_t rows = 0;
+  std::uint64_t chunk_rows = 0;
+  std::vector<std::uint32_t> chunk_crc;  // CRC-32 of each chunk as it stands in the file
+};
 
 /// Fills and compresses the chunks of many datasets on all cores while the caller goes on creating datasets;
 /// finish() puts them into the file, in order, from the calling thread alone. The file does not depend on the

@@ -11,7 +11,6 @@
 #include "column.h"
 #include "format.h"
 #include "hdf5_handle.h"
-#include "stored_type.h"
 #include "thermorig/core/time.h"
 
 namespace thermorig::session {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "chunk_writer.h"
 #include "hdf5_handle.h"
 #include "stored_attributes.h"
-#include "stored_dataset.h"
 #include "thermorig/storage/session/session.h"
 #include "thermorig/storage/session/stored_file.h"
 

@@ -3,20 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <mutex>
 #include <optional>
 #include <set>
 
-#include "annotation_columns.h"
 #include "attributes.h"
 #include "estimate_columns.h"
 #include "file_driver.h"
 #include "format.h"
 #include "group_reader.h"
 #include "message_marks.h"
-#include "passed_rows.h"
 #include "profile_attributes.h"
 #include "recording_columns.h"
 #include "sample_columns.h"
@@ -39,6 +39,29 @@
 namespace thermorig::session {
 
 namespace {
+
+/// Takes rows as a vector does and keeps none of them: whatever a reader checks of a value is checked, and a
+/// table of any length takes no memory.
+template <typename Row>
+class PassedRows {
+ public:
+  using value_type = Row;
+
+  void resize(std::size_t size) { size_ = size; }
+  std::size_t size() const { return size_; }
+  Row& operator[](std::size_t /*index*/) { return row_; }
+
+ private:
+  std::size_t size_ = 0;
+  Row row_{};
+};
+
+/// What raw_columns() reads of one direction of one port.
+struct PassedStream {
+  PassedRows<std::uint8_t> bytes;
+  PassedRows<std::uint64_t> chunk_end;
+  PassedRows<std::int64_t> time_ns;
+};
 
 namespace fs = std::filesystem;
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+
 namespace thermorig::files {
 
 /// An open file descriptor, closed at the end of its life.
@@ -19,5 +22,18 @@ class Descriptor {
  private:
   int fd_ = -1;
 };
+
+/// A file of so many bytes without a name, to read and write, which goes when it is closed and no longer
+/// mapped: on the disk of the folder that `near` stands in, else of $TMPDIR, else of /var/tmp. Its room on
+/// the disk is taken at once, so that no write to it can find the disk full. -1 where none of them has the
+/// room and much to spare, or is a disk that knows such files (tmpfs lies in memory, and is none).
+int open_unlinked(const std::filesystem::path& near, std::uint64_t bytes);
+
+/// The same in that folder or nowhere.
+int open_unlinked_in(const std::filesystem::path& folder, std::uint64_t bytes);
+
+/// Lets such a file of `bytes` grow to `more` beyond them, whose room is taken at once as well. False: there
+/// is no room, and nothing has changed.
+bool grow_unlinked(int file, std::uint64_t bytes, std::uint64_t more);
 
 }  // namespace thermorig::files

@@ -17,9 +17,8 @@ struct FrameFolder {
 };
 
 /// Keeps pixels of acquisitions small, without the loss of a bit: whole hundredths of a degree, which is what
-/// cameras send, in as few bits as a row of a frame needs; and as many of them in memory as may be. Those of
-/// further ones lie in a file without a name, of which nothing is left when the program has ended, however it
-/// ended.
+/// cameras send, in 16 bits; and as many of them in memory as may be. Those of further ones lie in a file
+/// without a name, of which nothing is left when the program has ended, however it ended.
 class FrameStore {
  public:
   /// `memory_bytes`: of pixels in memory, at most.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/io/files/file_lock.h"
+#include "thermorig/io/files/holder.h"
 #include "thermorig/learning/training/training.h"
 
 namespace thermorig::training {

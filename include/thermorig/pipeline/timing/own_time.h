@@ -13,8 +13,9 @@
 namespace thermorig::timing {
 
 /// Counts how often the time that a device sends began again: 32 bits of microseconds (an Arduino's micros())
-/// do after 71.6 minutes, of milliseconds (millis(), MAVLink's time_boot_ms) after 49.7 days. The host's
-/// clock tells a wrap from a reset: a step back that is neither stays one.
+/// do after 71.6 minutes, of tenths of milliseconds (Xsens) after 119 hours, of milliseconds (millis(),
+/// MAVLink's time_boot_ms) after 49.7 days. The host's clock tells a wrap from a reset: a step back that is
+/// neither stays one.
 class UnwrappedTime {
  public:
   /// In seconds. `arrived`: when its message did.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "thermorig/core/time.h"
-#include "thermorig/io/files/file_lock.h"
+#include "thermorig/io/files/holder.h"
 #include "thermorig/storage/session/session.h"
 
 namespace thermorig::rig {

@@ -10,12 +10,8 @@
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/rig/sweep/driven_leg.h"
-#include "thermorig/rig/sweep/frame_schedule.h"
+#include "thermorig/rig/sweep/quota.h"
 #include "thermorig/rig/sweep/servo_commander.h"
-#include "thermorig/rig/sweep/servo_stop.h"
-#include "thermorig/rig/sweep/servo_telemetry.h"
-#include "thermorig/rig/sweep/step_queue.h"
-#include "thermorig/rig/sweep/step_quota.h"
 #include "thermorig/rig/sweep/sweep.h"
 #include "thermorig/rig/sweep/sweep_recovery.h"
 
