@@ -120,9 +120,10 @@ void add_values(Candidates& candidates, const CLI::App& command, const CLI::Opti
   if (name == "world") return candidates.add_all({"honest", "typical", "hard"});
   if (name == "label") return candidates.add_all({"commanded", "corrected", "shaft"});
   if (name == "sync") return candidates.add_all({"frame", "end"});
-  if (name == "model") candidates.add("general");
-  if (name == "from") candidates.add_all({"general", "none"});
-  if (name == "model" || name == "from") return candidates.add_files({".onnx"});
+  if (name == "model" || name == "from") {
+    candidates.add_all({"general", "none"});
+    return candidates.add_files({".onnx"});
+  }
   if (name == "map") return candidates.add_files({".map"});
   if (kind == "SESSION" || (kind == "PATH" && !option.get_positional())) return candidates.add_files({".h5"});
   if (kind == "PATH") return candidates.add_files({".h5", ".journal", ".map", ".onnx"});

@@ -179,7 +179,7 @@ void add_live(CLI::App& root, LiveCommandLine& words) {
         ->type_name("FILE");
     command
         .add_option("--turned", live.turned,
-                    "Looks at each window: 8, mirrored and so on (default, where learnt), or 1")
+                    "Windows to average: 8 (all symmetries, default, where the model has learnt them), or 1")
         ->check(CLI::IsMember({1, 8}))
         ->type_name("N");
     command.add_option("--precision", live.precision, "Weight precision: fp32, or fp16 (half the memory)")
@@ -208,7 +208,7 @@ void add_live(CLI::App& root, LiveCommandLine& words) {
       "Examples:\n"
       "  thermorig live --simulated=4\n"
       "  thermorig live --rig bench --model model.onnx --environment garden --record\n"
-      "  thermorig live --rig bench --environment kitchen --plan paper --map kitchen.map\n"
+      "  thermorig live --rig bench -e kitchen --plan paper --map kitchen.map\n"
       "  thermorig live --replay session.h5 --model model.onnx --speed 10");
 }
 
