@@ -62,10 +62,9 @@ void add_record(CLI::App& root, Words& words) {
   RecordOptions& record = words.record;
   CLI::App& command = *root.add_subcommand("record", "Record one labelled session");
   add_environment(command, record.environment).required();
-  command.add_option("--plan", record.plan, "Sweep plan: paper, table-one, quick or a TOML file")
-      ->type_name("PLAN")
-      ->capture_default_str();
+  add_plan(command, record, "Sweep plan: paper, table-one, quick or a TOML file");
   add_legs(command, record, "; it goes on until it has them (0: no quota)");
+  add_seconds(command, record);
   command
       .add_option("--frames-per-window", record.frames_per_window,
                   "Refuse speeds that cannot give so many valid frames in a row (1 to 6)")
@@ -95,9 +94,7 @@ void add_doctor(CLI::App& root, Words& words) {
   record.environment = "laboratory";
   CLI::App& command = *root.add_subcommand("doctor", "Say what stands between this machine and a recording");
   add_folder(command, record.output, "Folder that would hold the recordings");
-  command.add_option("--plan", record.plan, "Sweep plan that would be driven")
-      ->type_name("PLAN")
-      ->capture_default_str();
+  add_plan(command, record, "Sweep plan that would be driven");
   add_json(command, record.json);
   add_rig(command, record.rig);
   command.footer(

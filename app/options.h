@@ -32,6 +32,7 @@ struct RigOptions {
   SimulatedParts parts;
   std::optional<std::uint32_t> camera_baud, gyro_baud, servo_baud;
   std::optional<double> camera_rate_hz;
+  bool no_servo = false;  // nobody commands what turns the rig, whatever the profile says
 };
 
 /// The page that a running command serves.
@@ -49,6 +50,8 @@ struct RecordOptions {
   std::string licence;                     // of the data; empty: not stated
   std::string operator_name, place, note;  // of this recording; empty: not stated
   std::string plan = "paper";              // paper, table-one, quick or a TOML file
+  bool plan_is_named = false;
+  std::optional<double> seconds;  // of a rig without a servo; none: until it is stopped
   std::optional<int> frames_per_leg, valid_per_leg;
   int frames_per_window = 1;        // valid ones in a row that every speed must be able to give
   std::vector<double> speeds_dps;   // empty: the plan's own

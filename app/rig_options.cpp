@@ -132,6 +132,21 @@ void add_legs(CLI::App& command, RecordOptions& record, const std::string& quota
       ->type_name("V,V,...");
 }
 
+void add_plan(CLI::App& command, RecordOptions& record, const std::string& meaning) {
+  command.add_option("--plan", record.plan, meaning)
+      ->each([&record](const std::string&) { record.plan_is_named = true; })
+      ->type_name("PLAN")
+      ->capture_default_str();
+}
+
+void add_seconds(CLI::App& command, RecordOptions& record) {
+  command
+      .add_option("--seconds", record.seconds,
+                  "Without a servo: end after so long, 10 to 86400 (default: Ctrl-C ends it)")
+      ->check(within(10.0, 86400.0))
+      ->type_name("S");
+}
+
 void add_folder(CLI::App& command, std::filesystem::path& folder, const std::string& meaning) {
   command.add_option("-o,--output", folder, meaning)->type_name("DIR")->default_str("recordings");
 }
@@ -145,6 +160,8 @@ void add_rig(CLI::App& command, RigOptions& rig) {
   command.add_option("--gyro", rig.ports[Device::gyro], "Port of the gyro")->type_name("PORT");
   command.add_option("--servo", rig.ports[Device::servo], "Port of the servo's micro-controller")
       ->type_name("PORT");
+  command.add_flag("--no-servo", rig.no_servo,
+                   "Nobody commands what turns the rig, e.g. a hand: labels are the gyro's");
   command
       .add_option("--rig", rig.profile,
                   "Profile that `thermorig ports --save` wrote: a name, or a file (with a '/' in it, or "

@@ -36,6 +36,10 @@ void add_rig(CLI::App& command, RigOptions& rig);
 CLI::Option& add_environment(CLI::App& command, std::string& environment);
 /// Frames and speeds of a plan's legs. `quota`: what --valid-per-leg says of its default.
 void add_legs(CLI::App& command, RecordOptions& record, const std::string& quota);
+/// --plan.
+void add_plan(CLI::App& command, RecordOptions& record, const std::string& meaning);
+/// --seconds: the length of a recording without a servo.
+void add_seconds(CLI::App& command, RecordOptions& record);
 /// --output: the folder; `meaning`: what it is to the command.
 void add_folder(CLI::App& command, std::filesystem::path& folder, const std::string& meaning);
 

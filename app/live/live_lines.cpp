@@ -41,6 +41,7 @@ class LiveLines : public LiveScreen {
 
   void hello(const LiveFacts& facts) override {
     begin_ = facts.header.time_reference;
+    has_servo_ = facts.header.profile.servo.is_there();
     titles_ = titles_of(facts.header.estimators);
     output_.write(heading_of(facts) + "?: a rate that its estimator does not trust, or not yet\n",
                   Matter::word);
@@ -55,12 +56,13 @@ class LiveLines : public LiveScreen {
   }
   void note(const std::string& sentence) override { output_.write(printable(sentence) + "\n", Matter::word); }
   void ended(const LiveEnd& end, const live::LiveScores& scores) override {
-    output_.write_last(ending_of(end, scores));
+    output_.write_last(ending_of(end, scores, has_servo_));
   }
 
  private:
   OutputWriter& output_;
   HostTime begin_{};
+  bool has_servo_ = true;
   std::string titles_;
   std::optional<HostTime> last_;
   int lines_ = 0;
@@ -113,14 +115,17 @@ std::string line_of(const LiveFrame& frame, HostTime begin) {
 
 std::string heading_of(const LiveFacts& facts) {
   const RecordingHeader& header = facts.header;
-  std::string text =
-      fmt::format("{} {}, plan {}: {} legs, about {}{}\n", name_of(facts.mode), printable(header.environment),
-                  printable(facts.plan_name), facts.legs, duration_text(facts.expected_s),
-                  facts.repeats ? ", again and again until stopped" : "");
+  std::string text = fmt::format("{} {}, ", name_of(facts.mode), printable(header.environment));
+  if (header.profile.servo.is_there())
+    text +=
+        fmt::format("plan {}: {} legs, about {}{}\n", printable(facts.plan_name), facts.legs,
+                    duration_text(facts.expected_s), facts.repeats ? ", again and again until stopped" : "");
+  else
+    text += "no servo: rates are shown, and not scored\n";
   if (header.simulated) text += simulated_line(header.simulation_seed, header.simulation);
   const LiveModel& model = header.live_model;
   if (model.name.empty())
-    text += "no model: estimators that need no network against the servo (--model FILE)\n";
+    text += "no model: estimators that need no network (--model FILE)\n";
   else
     text +=
         fmt::format("model {}: {}, {} frames, pixels averaged {} x {}, {} weights{}\n", printable(model.name),
@@ -147,9 +152,12 @@ std::string scores_text(const live::LiveScores& scores) {
   return text;
 }
 
-std::string ending_of(const LiveEnd& end, const live::LiveScores& scores) {
+std::string ending_of(const LiveEnd& end, const live::LiveScores& scores, bool has_servo) {
   std::string text;
-  if (scores.frames > 0) text = fmt::format("\n{}", scores_text(scores));
+  if (!has_servo)
+    text = "\nno scores: without a servo nothing says how fast the rig was to turn\n";
+  else if (scores.frames > 0)
+    text = fmt::format("\n{}", scores_text(scores));
   if (!end.session.empty()) text += "session  " + printable(end.session) + "\n";
   if (end.is_error) return text;  // standard error tells the rest
   if (!end.message.empty()) text += "note     " + printable(end.message) + "\n";

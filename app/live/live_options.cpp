@@ -22,10 +22,9 @@ constexpr double lowest_speed = 0.001;  // a second takes a quarter of an hour
 void add_source(CLI::App& command, LiveCommandLine& words) {
   LiveOptions& live = words.options;
   add_environment(command, live.record.environment).capture_default_str();
-  command.add_option("--plan", live.record.plan, "Sweep plan: quick, paper, table-one or a TOML file")
-      ->type_name("PLAN")
-      ->capture_default_str();
+  add_plan(command, live.record, "Sweep plan: quick, paper, table-one or a TOML file");
   add_legs(command, live.record, " (0: no quota, the default)");
+  add_seconds(command, live.record);
   command.add_flag("--loop", live.loop, "The plan again and again, until it is stopped");
   command.add_option("--replay", live.replay, "Replay this session (.h5) instead of driving a rig")
       ->type_name("SESSION");
@@ -82,7 +81,7 @@ void check_words_without_effect(const LiveCommandLine& words) {
                         "--gyro",           "--servo",       "--camera-baud",     "--gyro-baud",
                         "--servo-baud",     "--camera-rate", "--simulated-servo", "--simulated-camera",
                         "--simulated-gyro", "--world",       "--no-preflight",    "--replug-patience",
-                        "--sync",           "--licence"},
+                        "--sync",           "--licence",     "--seconds",         "--no-servo"},
                 "is for a rig; a replay takes all that from its session");
   if (!live.keep)
     refuse_said(words, {"--output", "--licence"}, "is for a session, and none is kept without --record");

@@ -64,6 +64,7 @@ Problem problem_of_value(const ProfileField& field, const FieldValue& value) {
 Problem problem_of_all(const RigProfile& profile) {
   if (profile.gyro.sign == 0) return ProfileProblem{"gyro", "sign", "sign = 0 is out of range", "1 or -1"};
   const ServoProfile& servo = profile.servo;
+  if (!servo.is_there()) return std::nullopt;
   if (servo.pulse_min_us >= servo.pulse_max_us)
     return ProfileProblem{"servo", "pulse_min_us", "pulse_min_us is not below pulse_max_us",
                           "e.g. 500 and 2500"};

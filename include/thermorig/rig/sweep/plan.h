@@ -10,6 +10,9 @@
 
 namespace thermorig::rig {
 
+/// The longest that a recording without a servo lasts, in s.
+inline constexpr double longest_by_hand_s = 86400.0;
+
 /// What an acquisition drives: a rest, legs of constant commanded speed, a rest. docs/sweep_plans.md.
 struct SweepPlan {
   std::string name;
@@ -22,6 +25,9 @@ struct SweepPlan {
   double opening_rest_s = 10.0;
   double closing_rest_s = 10.0;
   std::uint64_t seed = 1;  // of the order of the magnitudes
+
+  /// Of by_hand_plan() without seconds.
+  bool ends_by_stop() const { return leg_rates_dps.empty() && opening_rest_s >= longest_by_hand_s; }
 };
 
 /// What the command line changes in a plan; unset members leave it as it is.
@@ -42,6 +48,10 @@ const std::vector<std::string>& built_in_plan_names();
 /// the file or the overrides say otherwise. Throws Error(bad_usage).
 SweepPlan load_plan(const std::string& name_or_file, const std::string& environment, std::uint64_t seed,
                     const PlanOverrides& overrides = {});
+
+/// The plan of a rig without a servo: no legs, so many seconds in all. None: until it is stopped, a day at
+/// most.
+SweepPlan by_hand_plan(std::optional<double> seconds);
 
 /// A plan from TOML text: `magnitudes_dps = [..]` or `min_dps`, `max_dps`, `step_dps`; `order` ("seeded",
 /// "ascending", "descending", "given"), `both_directions`, `frames_per_leg`, `valid_per_leg`,
