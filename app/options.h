@@ -104,6 +104,15 @@ struct PortsOptions {
   bool json = false;
 };
 
+struct SetupOptions {
+  RecordOptions record;            // the simulated rig, if any; environment and folder of its sessions
+  std::vector<std::string> ports;  // those of the rig; empty: all that the system lists
+  std::string save = "rig";        // name or file of the profile
+  std::string from;                // name of the step to begin with; empty: the first
+  bool yes = false;                // each question is answered with yes
+  bool flash = false;              // by avrdude, where no servo answers
+};
+
 struct LookOptions {
   std::string port;      // empty: the one device that is found
   double seconds = 0.0;  // then it ends; 0: the user ends it
@@ -264,10 +273,10 @@ struct VersionOptions {
   bool json = false;
 };
 
-using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
-                             RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
-                             ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions,
-                             AnnotateOptions, DatasetOptions, ViewOptions, LookOptions>;
+using Command = std::variant<RecordOptions, CalibrateOptions, SetupOptions, PortsOptions, SimulateOptions,
+                             InspectOptions, RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions,
+                             EvaluateOptions, ExportOptions, VersionOptions, LiveOptions, DoctorOptions,
+                             ListOptions, AnnotateOptions, DatasetOptions, ViewOptions, LookOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,11 @@ enum class CalibrationKind : std::uint8_t { bias, latency, scale, orientation, l
 /// each where the servo has the travel; `check` less than half a minute: a rest, two speeds in both
 /// directions, and a whole turn where the servo has the travel.
 SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, const CameraProfile& camera);
+
+/// A plan for a calibration: there and back at each of `shares` of `fastest_dps`, or of what the travel lets
+/// legs of so many frames go at.
+SweepPlan reversals_plan(const std::string& name, std::span<const double> shares, double fastest_dps,
+                         int frames_per_leg, const ServoProfile& servo, const CameraProfile& camera);
 
 /// Can this rig drive the plan, and give at least one valid window of `window_frames` frames in every leg?
 /// Throws Error(bad_usage) that shows the sum: speeds beyond the servo's limits, legs or sweeps too short, a
