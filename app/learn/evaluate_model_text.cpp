@@ -8,6 +8,7 @@
 
 #include "evaluate_numbers.h"
 #include "print/output.h"
+#include "thermorig/estimators/table.h"
 #include "thermorig/learning/report/report.h"
 
 namespace thermorig::app {
@@ -44,9 +45,18 @@ std::string tested_text(const ModelEvaluation& evaluated) {
                      simulated_text(evaluated.evaluation.simulated));
 }
 
-std::string errors_text(const study::PerEstimator<Errors>& by_estimator, const char* truth) {
+/// Labels that are the gyro's say nothing of who sees the gyro.
+std::vector<std::string> judged_names(bool by_gyro) {
+  const auto all = study::all_estimators();
+  std::vector<std::string> names(all.begin(), all.end());
+  if (by_gyro)
+    std::erase_if(names, [](const std::string& name) { return estimators::entry(name).inputs.gyro; });
+  return names;
+}
+
+std::string errors_text(const study::PerEstimator<Errors>& by_estimator, const char* truth, bool by_gyro) {
   Table table({truth, ">windows", ">MSE", ">RMSE deg/s", ">median", ">95 %", "> >30 deg/s", ">mean error"});
-  for (const std::string& name : study::all_estimators()) {
+  for (const std::string& name : judged_names(by_gyro)) {
     const Errors& errors = by_estimator[name];
     table.add({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
                rate_text(errors.median_dps), rate_text(errors.p95_dps), percent_text(errors.outlier_share),
@@ -56,19 +66,21 @@ std::string errors_text(const study::PerEstimator<Errors>& by_estimator, const c
 }
 
 /// A table with a column an estimator, between these.
-Table estimator_table(std::vector<std::string> header, const std::vector<std::string>& last) {
-  for (const std::string& name : study::all_estimators()) header.push_back(">" + name);
+Table estimator_table(std::vector<std::string> header, const std::vector<std::string>& last, bool by_gyro) {
+  for (const std::string& name : judged_names(by_gyro)) header.push_back(">" + name);
   header.insert(header.end(), last.begin(), last.end());
   return Table(header);
 }
 
 /// MSE beside RMSE.
-std::string environments_text(const std::vector<study::EnvironmentErrors>& environments) {
-  Table table = estimator_table({"environment", ">acquisitions"}, {});
+std::string environments_text(const std::vector<study::EnvironmentErrors>& environments, bool by_gyro) {
+  Table table = estimator_table({"environment", ">acquisitions"}, {}, by_gyro);
   for (const study::EnvironmentErrors& environment : environments) {
     std::vector<std::string> row{environment.name, std::to_string(environment.acquisitions)};
-    for (const Errors& errors : environment.errors.values())
+    for (const std::string& name : judged_names(by_gyro)) {
+      const Errors& errors = environment.errors[name];
       row.push_back(fmt::format("{} ({})", mse_text(errors.mse), rate_text(errors.rmse_dps)));
+    }
     table.add(row);
   }
   return "MSE (RMSE deg/s) by environment\n" + table.text() + "\n";
@@ -112,12 +124,12 @@ std::string sigma_text(const study::Evaluation& evaluation) {
                      study::expected_gyro_dps);
 }
 
-std::string angles_text(const study::Evaluation& evaluation) {
-  Table table = estimator_table({"drift of the angle, deg/min"}, {">over"});
+std::string angles_text(const study::Evaluation& evaluation, bool by_gyro) {
+  Table table = estimator_table({"drift of the angle, deg/min"}, {">over"}, by_gyro);
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
     std::vector<std::string> row{evaluation.names[i]};
-    for (const double drift : evaluation.angles[i].drift_deg_per_min.values())
-      row.push_back(angle_text(drift));
+    for (const std::string& name : judged_names(by_gyro))
+      row.push_back(angle_text(evaluation.angles[i].drift_deg_per_min[name]));
     row.push_back(duration_text(evaluation.angles[i].integrated_s));
     table.add(row);
   }
@@ -127,14 +139,20 @@ std::string angles_text(const study::Evaluation& evaluation) {
 }  // namespace
 
 std::string model_text(const std::string& name, const model::Model& model, const ModelEvaluation& evaluated) {
-  std::string text = facts_text(name, model) + tested_text(evaluated) +
-                     errors_text(evaluated.evaluation.errors, "against the commanded speed") +
-                     errors_text(evaluated.evaluation.shaft_errors, "against the shaft");
+  const bool by_gyro = evaluated.labelled_by_gyro;
+  std::string text =
+      facts_text(name, model) + tested_text(evaluated) +
+      errors_text(evaluated.evaluation.errors,
+                  by_gyro ? "against labels from the gyro" : "against the commanded speed", by_gyro);
+  if (by_gyro)
+    text += "left out: estimators that see the gyro\n\n";
+  else
+    text += errors_text(evaluated.evaluation.shaft_errors, "against the shaft", by_gyro);
   if (evaluated.evaluation.environments.size() > 1)
-    text += environments_text(evaluated.evaluation.environments);
+    text += environments_text(evaluated.evaluation.environments, by_gyro);
   text += bounds_text(evaluated.evaluation.bounds);
   text += gate_text(evaluated.evaluation.gain) + sigma_text(evaluated.evaluation) +
-          angles_text(evaluated.evaluation);
+          angles_text(evaluated.evaluation, by_gyro);
   if (!evaluated.warnings.empty()) text += "\n";
   for (const std::string& warning : evaluated.warnings) text += "warning: " + printable(warning) + "\n";
   return text;

@@ -17,6 +17,7 @@ namespace thermorig::rig::test {
 namespace setup {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A person who does what is asked, and a computer in virtual time.
 class VirtualWorld : public SetupWorld {
@@ -145,12 +146,13 @@ TEST(Setup, SaysWhatToCheckWhereNothingMoves) {
   simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
   config.servo_loop_hz = 1e-6;
   VirtualWorld world(config);
-  const SetupState state = set_up_ports({}, world);
-  const auto error = error_of([&] { set_up_servo(state, world); });
+  const auto path = world.folder.path() / "rig.toml";
+  const auto error = error_of([&] { set_up(path, SetupStep::ports, world); });
   ASSERT_TRUE(error);
   EXPECT_THAT(error->what_happened(), HasSubstr("no axis of the gyro turns with the servo"));
   EXPECT_THAT(error->advice(), HasSubstr("supply"));
-  EXPECT_THAT(error->advice(), HasSubstr("thermorig setup --from servo"));
+  EXPECT_THAT(error->advice(), HasSubstr("thermorig setup --save " + path.string()));
+  EXPECT_THAT(error->advice(), Not(HasSubstr("--from")));  // nothing is known yet to go on with
 }
 
 TEST(Setup, RefusesToGoOnWithAProfileThatIsNotThere) {

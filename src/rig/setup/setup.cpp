@@ -29,14 +29,14 @@ constexpr double gross_travel = 0.4;   // what some small moves can tell
 constexpr double usual_travel = 0.04;  // as near to a usual one it is that
 constexpr std::array usual_travels_deg{90.0, 180.0, 270.0, 360.0, 720.0, 1080.0, 1260.0, 1800.0, 2160.0};
 
-std::string again(SetupStep step) {
-  return fmt::format("thermorig setup --from {}", setup_step_names[static_cast<std::size_t>(step)]);
-}
-
-/// The same error, with how to go on from there.
-Error to_repeat(const Error& error, SetupStep step) {
+/// The same error, with how to go on: from that step, if there is a profile that knows what comes before.
+Error to_repeat(const Error& error, SetupStep step, const std::filesystem::path& path) {
+  if (error.code() == ExitCode::interrupted) return error;
+  std::string again = "thermorig setup --save " + shell_word(path.string());
+  if (std::filesystem::exists(path))
+    again += fmt::format(" --from {}", setup_step_names[static_cast<std::size_t>(step)]);
   return {error.code(), error.what_happened(), error.where(),
-          error.advice() + (error.advice().empty() ? "" : "; then ") + again(step)};
+          error.advice() + (error.advice().empty() ? "" : "; then ") + again};
 }
 
 // ---- ports ----------------------------------------------------------------------------------------------
@@ -72,7 +72,7 @@ void ask_to_flash(const std::vector<PortFinding>& findings, SetupWorld& world) {
   if (ports.empty())
     throw Error(ExitCode::device_missing,
                 "no servo answers, and there is no other port that may be its board's", "",
-                "plug the board in, by a cable that carries data; " + again(SetupStep::ports));
+                "plug the board in, by a cable that carries data");
   for (const std::string& port : ports) {
     if (world.flash(port)) return;
     std::string text =
@@ -93,11 +93,9 @@ void require_others(const std::vector<PortFinding>& findings) {
       throw Error(closed->code == ExitCode::ok ? ExitCode::device_missing : closed->code,
                   fmt::format("no {} was found, and this port could not be opened: {}", name_of(device),
                               closed->problem),
-                  closed->info.path,
-                  "thermorig doctor says what stands in the way; " + again(SetupStep::ports));
+                  closed->info.path, "thermorig doctor says what stands in the way");
     throw Error(ExitCode::device_missing, fmt::format("no {} was found on any port", name_of(device)), "",
-                "check its cable and supply (thermorig look PORT shows what a port sends); " +
-                    again(SetupStep::ports));
+                "check its cable and supply (thermorig look PORT shows what a port sends)");
   }
 }
 
@@ -228,17 +226,12 @@ SetupState set_up_servo(SetupState state, SetupWorld& world) {
   world.confirm(
       fmt::format("The servo now turns by about {:.0f} degrees, there and back. Is it free to move?",
                   gentle_dps * gentle_frames / state.profile.camera.output_rate_hz));
-  try {
-    const calibration::GyroAxis axis = calibration::measure_axis(world.record(state.profile, plan));
-    state.profile.gyro.axis = axis.axis;
-    state.profile.gyro.sign = axis.sign;
-    state.knows_gyro_axis = true;
-    world.say(
-        fmt::format("servo: it moves; gyro: its axis {} turns with it\n", axis_text(state.profile.gyro)));
-    if (state.knows_gyro_unit) take_travel(axis.share, gross_travel, state.profile.servo, world);
-  } catch (const Error& error) {
-    throw to_repeat(error, SetupStep::servo);
-  }
+  const calibration::GyroAxis axis = calibration::measure_axis(world.record(state.profile, plan));
+  state.profile.gyro.axis = axis.axis;
+  state.profile.gyro.sign = axis.sign;
+  state.knows_gyro_axis = true;
+  world.say(fmt::format("servo: it moves; gyro: its axis {} turns with it\n", axis_text(state.profile.gyro)));
+  if (state.knows_gyro_unit) take_travel(axis.share, gross_travel, state.profile.servo, world);
   return state;
 }
 
@@ -249,28 +242,24 @@ SetupState set_up_turns(SetupState state, SetupWorld& world) {
       fmt::format("The servo now turns there and back for half a minute, at up to {:.0f} deg/s, by up "
                   "to\n{:.0f} degrees. Is the way free, and does the camera see something warm?",
                   fastest_dps, fastest_dps * plan.frames_per_leg / state.profile.camera.output_rate_hz));
-  try {
-    session::Session session = world.record(state.profile, plan);
-    if (!state.knows_gyro_axis) {
-      const calibration::GyroAxis axis = calibration::measure_axis(session);
-      state.profile.gyro.axis = axis.axis;
-      state.profile.gyro.sign = axis.sign;
-      session = rebuilt(session, state.profile);
-    }
-    if (!state.knows_gyro_unit) {
-      take_unit(session.sync.witnesses, state.profile.gyro, world);
-      state.knows_gyro_unit = true;
-      session = rebuilt(session, state.profile);
-    }
-    const std::optional<Estimate> share = session.sync.witnesses.gyro_share;
-    const bool was_mirrored = state.profile.camera.mirrored;
-    take_orientation(session, state.profile, world);
-    if (state.profile.camera.mirrored != was_mirrored) session = rebuilt(session, state.profile);
-    take_latency(session, state.profile, world);
-    if (share) take_travel(std::abs(share->value), same_travel, state.profile.servo, world);
-  } catch (const Error& error) {
-    throw to_repeat(error, SetupStep::turns);
+  session::Session session = world.record(state.profile, plan);
+  if (!state.knows_gyro_axis) {
+    const calibration::GyroAxis axis = calibration::measure_axis(session);
+    state.profile.gyro.axis = axis.axis;
+    state.profile.gyro.sign = axis.sign;
+    session = rebuilt(session, state.profile);
   }
+  if (!state.knows_gyro_unit) {
+    take_unit(session.sync.witnesses, state.profile.gyro, world);
+    state.knows_gyro_unit = true;
+    session = rebuilt(session, state.profile);
+  }
+  const std::optional<Estimate> share = session.sync.witnesses.gyro_share;
+  const bool was_mirrored = state.profile.camera.mirrored;
+  take_orientation(session, state.profile, world);
+  if (state.profile.camera.mirrored != was_mirrored) session = rebuilt(session, state.profile);
+  take_latency(session, state.profile, world);
+  if (share) take_travel(std::abs(share->value), same_travel, state.profile.servo, world);
   return state;
 }
 
@@ -300,7 +289,11 @@ RigProfile set_up(const std::filesystem::path& path, SetupStep from, SetupWorld&
   if (from == SetupStep::session) return state.profile;
   for (auto step = static_cast<std::size_t>(from); step < steps.size(); ++step) {
     world.say(fmt::format("\n{} of {}: {}\n", step + 1, setup_step_names.size(), setup_step_names[step]));
-    state = steps[step](std::move(state), world);
+    try {
+      state = steps[step](std::move(state), world);
+    } catch (const Error& error) {
+      throw to_repeat(error, static_cast<SetupStep>(step), path);
+    }
   }
   write_profile(path, state.profile);
   world.say(fmt::format("\nprofile written to {}\n", printable(path.string())));
