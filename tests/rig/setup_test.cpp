@@ -90,6 +90,17 @@ TEST(Setup, FindsOutAllAboutARigThatIsNothingLikeTheStandardOne) {
   EXPECT_THAT(world.said, HasSubstr("it sends rad/s"));
 }
 
+/// Small moves of a servo of 180 degrees are a twelfth of what a winch would make of them.
+TEST(Setup, TellsAServoOf180DegreesFromAWinchByItsSmallMoves) {
+  simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
+  config.profile.servo.travel_deg = 180.0;
+  VirtualWorld world(config);
+  const SetupState state = set_up_servo(set_up_ports({}, world), world);
+  EXPECT_EQ(state.profile.servo.travel_deg, 180.0);
+  EXPECT_EQ(state.profile.gyro.axis, config.profile.gyro.axis);
+  EXPECT_THAT(world.said, HasSubstr("its travel from the shortest to the\nlongest pulse is 180, not 2160"));
+}
+
 TEST(Setup, AsksToUnplugOneOfTwoPortsThatLookAlike) {
   VirtualWorld world(simulation::default_rig(1, "kitchen"));
   const std::string other = world.ports.add([] {
