@@ -22,7 +22,7 @@ namespace thermorig::rig {
 namespace {
 
 constexpr int most_listenings = 4;
-constexpr double gentle_dps = 15.0;
+constexpr double gentle_dps = 15.0, firm_dps = 180.0;
 constexpr int gentle_frames = 12;
 constexpr double same_travel = 0.05;   // by which an uncalibrated gyro and servo may differ
 constexpr double gross_travel = 0.4;   // what some small moves can tell
@@ -221,12 +221,33 @@ SetupState set_up_look(SetupState state, SetupWorld& world) {
   return state;
 }
 
+namespace {
+
+/// A servo of 180 degrees makes so little of moves that are small for a winch that its steps hide them.
+calibration::GyroAxis axis_by_moves(const RigProfile& profile, SetupWorld& world) {
+  try {
+    return calibration::measure_axis(
+        world.record(profile, setup_moves_plan(profile.servo, profile.camera, gentle_dps)));
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::finished_lossy || !profile.servo.scale_measured_utc.empty()) throw;
+    world.say(fmt::format("{}\n", printable(error.what_happened())));
+  }
+  const double degrees = firm_dps * gentle_frames / profile.camera.output_rate_hz;
+  world.confirm(
+      fmt::format("Once more, by {:.0f} degrees if its travel is {:g}, by {:.0f} if it is 180. Is it free to "
+                  "move?",
+                  degrees, profile.servo.travel_deg, degrees * 180.0 / profile.servo.travel_deg));
+  return calibration::measure_axis(
+      world.record(profile, setup_moves_plan(profile.servo, profile.camera, firm_dps)));
+}
+
+}  // namespace
+
 SetupState set_up_servo(SetupState state, SetupWorld& world) {
-  const SweepPlan plan = setup_moves_plan(state.profile.servo, state.profile.camera);
   world.confirm(
       fmt::format("The servo now turns by about {:.0f} degrees, there and back. Is it free to move?",
                   gentle_dps * gentle_frames / state.profile.camera.output_rate_hz));
-  const calibration::GyroAxis axis = calibration::measure_axis(world.record(state.profile, plan));
+  const calibration::GyroAxis axis = axis_by_moves(state.profile, world);
   state.profile.gyro.axis = axis.axis;
   state.profile.gyro.sign = axis.sign;
   state.knows_gyro_axis = true;
@@ -316,8 +337,8 @@ std::vector<std::string> flash_commands(const std::string& port, const std::stri
   return commands;
 }
 
-SweepPlan setup_moves_plan(const ServoProfile& servo, const CameraProfile& camera) {
-  return reversals_plan("setup-servo", std::array{1.0}, gentle_dps, gentle_frames, servo, camera);
+SweepPlan setup_moves_plan(const ServoProfile& servo, const CameraProfile& camera, double rate_dps) {
+  return reversals_plan("setup-servo", std::array{1.0}, rate_dps, gentle_frames, servo, camera);
 }
 
 SweepPlan setup_turns_plan(const ServoProfile& servo, const CameraProfile& camera) {

@@ -81,8 +81,8 @@ SetupStep setup_step_named(const std::string& name);
 /// with the old boot loader. `image`: the firmware's file.
 std::vector<std::string> flash_commands(const std::string& port, const std::string& image);
 
-/// The small moves of set_up_servo(), and the turns of set_up_turns(): about half a minute.
-SweepPlan setup_moves_plan(const ServoProfile& servo, const CameraProfile& camera);
+/// The moves of set_up_servo() at that speed, and the turns of set_up_turns(): about half a minute.
+SweepPlan setup_moves_plan(const ServoProfile& servo, const CameraProfile& camera, double rate_dps);
 SweepPlan setup_turns_plan(const ServoProfile& servo, const CameraProfile& camera);
 
 }  // namespace thermorig::rig
