@@ -12,6 +12,7 @@ namespace thermorig::app {
 ExitCode run(const RecordOptions& options);
 ExitCode run(const LiveOptions& options);
 ExitCode run(const CalibrateOptions& options);
+ExitCode run(const SetupOptions& options);
 ExitCode run(const PortsOptions& options);
 ExitCode run(const LookOptions& options);
 ExitCode run(const SimulateOptions& options);

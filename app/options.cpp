@@ -15,6 +15,7 @@
 #include "sessions/session_options.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/nearest_name.h"
+#include "thermorig/rig/setup/setup.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
 
@@ -27,6 +28,7 @@ struct Words {
   RecordOptions record;
   DoctorOptions doctor;
   CalibrateOptions calibrate;
+  SetupOptions setup;
   PortsOptions ports;
   LookOptions look;
   SimulateOptions simulate;
@@ -82,8 +84,9 @@ void add_record(CLI::App& root, Words& words) {
   add_environment(command, record.environment).required();
   add_fast(command, record);
   in_group(command, "Sweep plan", [&] {
-    add_plan(command, record.plan);
+    add_plan(command, record);
     add_legs(command, record, "the plan's");
+    add_seconds(command, record);
     command
         .add_option(
             "--frames-per-window", record.frames_per_window,
@@ -108,7 +111,34 @@ void add_record(CLI::App& root, Words& words) {
   command.footer(
       "Examples:\n"
       "  thermorig record --simulated=4 --environment garden --plan quick\n"
-      "  thermorig record --rig bench --environment kitchen");
+      "  thermorig record --rig bench --environment kitchen\n"
+      "  thermorig record --rig bench --environment kitchen --no-servo --seconds 120");
+}
+
+void add_setup(CLI::App& root, Words& words) {
+  SetupOptions& setup = words.setup;
+  RecordOptions& record = setup.record;
+  record.environment = "setup";
+  CLI::App& command = *root.add_subcommand("setup", "Find out all about a new rig, and write its profile");
+  command.add_option("PORT", setup.ports, "Ports of the rig (default: all that the system lists)");
+  command.add_option("--save", setup.save, "Profile to write, when all is known: a name or a file")
+      ->type_name("PROFILE")
+      ->capture_default_str();
+  command.add_option("--from", setup.from, "Go on with this step and the profile that is there")
+      ->check(one_of({rig::setup_step_names.begin(), rig::setup_step_names.end()}))
+      ->type_name("STEP");
+  command.add_flag("--yes", setup.yes, "Answer each question with yes: the servo moves without being asked");
+  command.add_flag("--flash", setup.flash, "Flash the servo's firmware (avrdude) where no servo answers");
+  add_folder(command, record.output, "Folder that holds the recordings");
+  add_seed(
+      command, [&record](std::uint64_t seed) { record.rig.simulated_seed = seed; },
+      "Set up the simulated rig; =SEED chooses another one");
+  add_simulated_parts(command, record.rig.parts);
+  command.footer(
+      "Steps: ports, look, servo, turns, session.\n"
+      "Examples:\n"
+      "  thermorig setup --save bench\n"
+      "  thermorig setup --save bench --from turns");
 }
 
 void add_doctor(CLI::App& root, Words& words) {
@@ -116,7 +146,7 @@ void add_doctor(CLI::App& root, Words& words) {
   record.environment = "laboratory";
   CLI::App& command = *root.add_subcommand("doctor", "Check whether this computer and its rig can record");
   add_folder(command, record.output, "Folder for the recordings");
-  add_plan(command, record.plan);
+  add_plan(command, record);
   add_json(command, record.json);
   add_rig(command, record.rig);
   command.footer(
@@ -343,6 +373,7 @@ Command chosen(const CLI::App& root, Words& words) {
   if (name == "record") return words.record;
   if (name == "doctor") return words.doctor;
   if (name == "simulate") return words.simulate;
+  if (name == "setup") return words.setup;
   if (name == "ports") return words.ports;
   if (name == "look") return words.look;
   if (name == "live") return chosen_live(words.live);
@@ -379,6 +410,7 @@ void describe(CLI::App& root, Words& words) {
   root.add_flag("--version", words.version, "Print version, commit, compiler and libraries")
       ->group(last_group);
   add_json(root, words.version_json);
+  add_setup(root, words);
   add_record(root, words);
   add_live(root, words.live);
   add_calibrate(root, words);

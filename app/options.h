@@ -35,6 +35,7 @@ struct RigOptions {
   std::string gyro_protocol;  // or a sketch; empty: the profile's
   std::optional<std::uint32_t> camera_baud, gyro_baud, servo_baud;
   std::optional<double> camera_rate_hz;
+  bool no_servo = false;  // nobody commands what turns the rig, whatever the profile says
 };
 
 /// The page that a running command serves.
@@ -52,6 +53,8 @@ struct RecordOptions {
   std::string licence;                     // of the data; empty: not stated
   std::string operator_name, place, note;  // of this recording; empty: not stated
   std::string plan = "paper";              // paper, table-one, quick or a TOML file
+  bool plan_is_named = false;
+  std::optional<double> seconds;  // of a rig without a servo; none: until it is stopped
   std::optional<int> frames_per_leg, valid_per_leg;
   int frames_per_window = 1;        // valid ones in a row that every speed must be able to give
   std::vector<double> speeds_dps;   // empty: the plan's own
@@ -103,6 +106,15 @@ struct PortsOptions {
   std::vector<std::string> extra;  // ports that the system does not list, e.g. pseudo terminals
   std::string save;                // name or file of the profile to write, empty: none
   bool json = false;
+};
+
+struct SetupOptions {
+  RecordOptions record;            // the simulated rig, if any; environment and folder of its sessions
+  std::vector<std::string> ports;  // those of the rig; empty: all that the system lists
+  std::string save = "rig";        // name or file of the profile
+  std::string from;                // name of the step to begin with; empty: the first
+  bool yes = false;                // each question is answered with yes
+  bool flash = false;              // by avrdude, where no servo answers
 };
 
 struct LookOptions {
@@ -272,10 +284,11 @@ struct ManPagesOptions {
   std::map<std::string, std::string> pages;  // by file name
 };
 
-using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
-                             RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
-                             ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions,
-                             AnnotateOptions, DatasetOptions, ViewOptions, LookOptions, ManPagesOptions>;
+using Command =
+    std::variant<RecordOptions, CalibrateOptions, SetupOptions, PortsOptions, SimulateOptions, InspectOptions,
+                 RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
+                 ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions, AnnotateOptions,
+                 DatasetOptions, ViewOptions, LookOptions, ManPagesOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

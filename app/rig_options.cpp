@@ -132,10 +132,11 @@ CLI::Option& add_environment(CLI::App& command, std::string& environment) {
               ->type_name("NAME");
 }
 
-void add_plan(CLI::App& command, std::string& plan) {
+void add_plan(CLI::App& command, RecordOptions& record) {
   command
-      .add_option("--plan", plan,
+      .add_option("--plan", record.plan,
                   "Sweep plan: quick (30 s), paper (50 legs of 57 frames), table-one, or a TOML file")
+      ->each([&record](const std::string&) { record.plan_is_named = true; })
       ->type_name("PLAN")
       ->capture_default_str();
 }
@@ -156,6 +157,14 @@ void add_legs(CLI::App& command, RecordOptions& record, const std::string& quota
                   "Speeds in deg/s, each driven in both directions: 30,60,90 (default: the plan's)")
       ->delimiter(',')
       ->type_name("V,V,...");
+}
+
+void add_seconds(CLI::App& command, RecordOptions& record) {
+  command
+      .add_option("--seconds", record.seconds,
+                  "Without a servo: seconds to record, 10 to 86400 (default: until Ctrl-C)")
+      ->check(within(10.0, 86400.0))
+      ->type_name("S");
 }
 
 void add_folder(CLI::App& command, std::filesystem::path& folder, const std::string& meaning) {
@@ -182,6 +191,8 @@ void add_rig(CLI::App& command, RigOptions& rig) {
     command
         .add_option("--servo", rig.ports[Device::servo], "Port of the servo board (default: the profile's)")
         ->type_name("PORT");
+    command.add_flag("--no-servo", rig.no_servo,
+                     "No servo turns the rig, but e.g. a hand; labels are made from the gyro");
     command
         .add_option(
             "--gyro-protocol", rig.gyro_protocol,

@@ -41,9 +41,11 @@ void add_seed(CLI::App& command, std::function<void(std::uint64_t)> take, const 
 void add_rig(CLI::App& command, RigOptions& rig);
 /// Where the rig stands.
 CLI::Option& add_environment(CLI::App& command, std::string& environment);
-void add_plan(CLI::App& command, std::string& plan);
+void add_plan(CLI::App& command, RecordOptions& record);
 /// Frames and speeds of a plan's legs. `quota`: the default of --valid-per-leg, in words.
 void add_legs(CLI::App& command, RecordOptions& record, const std::string& quota);
+/// --seconds: the length of a recording without a servo.
+void add_seconds(CLI::App& command, RecordOptions& record);
 /// --output: the folder; `meaning`: what it is to the command.
 void add_folder(CLI::App& command, std::filesystem::path& folder, const std::string& meaning);
 

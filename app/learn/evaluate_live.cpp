@@ -64,6 +64,12 @@ ExitCode evaluate_live(const EvaluateOptions& options) {
       if (named) refuse_evaluation("the session has no /estimates: it is not of a live run", file.string());
       continue;  // found in a folder, beside others
     }
+    if (!session.raw.header.profile.servo.is_there()) {
+      if (named)
+        refuse_evaluation("its rig has no servo: nothing was commanded that could be scored against",
+                          file.string());
+      continue;
+    }
     if (auto bad = dataset::bad_session(session, file); bad && !options.accept_bad) {
       if (named) require_good({*bad}, false);
       left_out.left_out.push_back(std::move(*bad));

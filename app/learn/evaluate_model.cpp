@@ -46,8 +46,10 @@ std::vector<std::string> seen_in_training(const model::Model& model,
 }
 
 /// Those that need no network, and that a fusion ought to beat and does not.
-std::vector<std::string> better_baselines(const study::Evaluation& evaluation) {
+std::vector<std::string> better_baselines(const ModelEvaluation& evaluated) {
   std::vector<std::string> better;
+  if (evaluated.labelled_by_gyro) return better;  // a gyro is not better for being its own label
+  const study::Evaluation& evaluation = evaluated.evaluation;
   for (const std::string& name : study::baselines())
     if (evaluation.errors[name].mse < evaluation.errors[study::fusion_name].mse) better.push_back(name);
   return better;
@@ -84,7 +86,7 @@ std::vector<std::string> warnings_of(const model::Model& model, const ModelEvalu
                     trained_on.size(), fmt::join(trained_on, ", ")));
   if (study::collapsed(evaluated.evaluation.gain))
     warnings.push_back(collapsed_text(evaluated.evaluation.gain.mean));
-  const std::vector<std::string> better = better_baselines(evaluated.evaluation);
+  const std::vector<std::string> better = better_baselines(evaluated);
   if (!better.empty())
     warnings.push_back(fmt::format("without a network, {} {} a lower MSE than {}", fmt::join(better, ", "),
                                    better.size() == 1 ? "has" : "have", study::fusion_name));
@@ -126,6 +128,9 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
   ModelEvaluation evaluated;
   evaluated.evaluation = study::evaluate(judged_by(model, acquisitions, options.turned), acquisitions,
                                          {.label_scale_dps = double{model.scaling.label_scale_dps}});
+  evaluated.labelled_by_gyro =
+      std::any_of(acquisitions.begin(), acquisitions.end(),
+                  [](const Acquisition& acquisition) { return acquisition.is_labelled_by_gyro; });
   evaluated.warnings = warnings_of(model, evaluated, acquisitions);
   if (!options.output.empty()) write_model_report(options.output, model, evaluated.evaluation);
   if (options.json) {

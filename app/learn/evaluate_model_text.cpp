@@ -9,6 +9,7 @@
 #include "evaluate_numbers.h"
 #include "print/output.h"
 #include "print/terminal_width.h"
+#include "thermorig/estimators/table.h"
 #include "thermorig/learning/report/report.h"
 
 namespace thermorig::app {
@@ -45,9 +46,18 @@ std::string tested_text(const ModelEvaluation& evaluated) {
                      simulated_text(evaluated.evaluation.simulated));
 }
 
-std::string errors_text(const study::PerEstimator<Errors>& by_estimator, const char* truth) {
+/// Labels that are the gyro's say nothing of who sees the gyro.
+std::vector<std::string> judged_names(bool by_gyro) {
+  const auto all = study::all_estimators();
+  std::vector<std::string> names(all.begin(), all.end());
+  if (by_gyro)
+    std::erase_if(names, [](const std::string& name) { return estimators::entry(name).inputs.gyro; });
+  return names;
+}
+
+std::string errors_text(const study::PerEstimator<Errors>& by_estimator, const char* truth, bool by_gyro) {
   Table table({truth, ">windows", ">MSE", ">RMSE", ">median", ">95 %", "> >30", ">mean"});
-  for (const std::string& name : study::all_estimators()) {
+  for (const std::string& name : judged_names(by_gyro)) {
     const Errors& errors = by_estimator[name];
     table.add({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
                rate_text(errors.median_dps), rate_text(errors.p95_dps), percent_text(errors.outlier_share),
@@ -57,17 +67,18 @@ std::string errors_text(const study::PerEstimator<Errors>& by_estimator, const c
 }
 
 /// A table with a column an estimator, between these.
-Table estimator_table(std::vector<std::string> header, const std::vector<std::string>& last) {
-  for (const std::string& name : study::all_estimators()) header.push_back(">" + name);
+Table estimator_table(std::vector<std::string> header, const std::vector<std::string>& last, bool by_gyro) {
+  for (const std::string& name : judged_names(by_gyro)) header.push_back(">" + name);
   header.insert(header.end(), last.begin(), last.end());
   return Table(header);
 }
 
-std::string environments_text(const std::vector<study::EnvironmentErrors>& environments) {
-  Table table = estimator_table({"environment", ">sessions"}, {});
+std::string environments_text(const std::vector<study::EnvironmentErrors>& environments, bool by_gyro) {
+  Table table = estimator_table({"environment", ">sessions"}, {}, by_gyro);
   for (const study::EnvironmentErrors& environment : environments) {
     std::vector<std::string> row{environment.name, std::to_string(environment.acquisitions)};
-    for (const Errors& errors : environment.errors.values()) row.push_back(rate_text(errors.rmse_dps));
+    for (const std::string& name : judged_names(by_gyro))
+      row.push_back(rate_text(environment.errors[name].rmse_dps));
     table.add(row);
   }
   return "RMSE by environment\n" + table.wrapped(terminal_width()) + "\n";
@@ -110,12 +121,12 @@ std::string sigma_text(const study::Evaluation& evaluation) {
                      study::expected_gyro_dps);
 }
 
-std::string angles_text(const study::Evaluation& evaluation) {
-  Table table = estimator_table({"drift, deg/min"}, {">over"});
+std::string angles_text(const study::Evaluation& evaluation, bool by_gyro) {
+  Table table = estimator_table({"drift, deg/min"}, {">over"}, by_gyro);
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
     std::vector<std::string> row{evaluation.names[i]};
-    for (const double drift : evaluation.angles[i].drift_deg_per_min.values())
-      row.push_back(angle_text(drift));
+    for (const std::string& name : judged_names(by_gyro))
+      row.push_back(angle_text(evaluation.angles[i].drift_deg_per_min[name]));
     row.push_back(duration_text(evaluation.angles[i].integrated_s));
     table.add(row);
   }
@@ -125,15 +136,20 @@ std::string angles_text(const study::Evaluation& evaluation) {
 }  // namespace
 
 std::string model_text(const std::string& name, const model::Model& model, const ModelEvaluation& evaluated) {
-  std::string text = facts_text(name, model) + tested_text(evaluated) +
-                     errors_text(evaluated.evaluation.errors, "against the command") +
-                     errors_text(evaluated.evaluation.shaft_errors, "against the shaft") +
-                     "RMSE, median, 95 %, mean error: deg/s; > 30: share of errors above 30 deg/s\n\n";
+  const bool by_gyro = evaluated.labelled_by_gyro;
+  std::string text =
+      facts_text(name, model) + tested_text(evaluated) +
+      errors_text(evaluated.evaluation.errors, by_gyro ? "against the gyro" : "against the command", by_gyro);
+  if (by_gyro)
+    text += "left out: estimators that see the gyro\n\n";
+  else
+    text += errors_text(evaluated.evaluation.shaft_errors, "against the shaft", by_gyro);
+  text += "RMSE, median, 95 %, mean error: deg/s; > 30: share of errors above 30 deg/s\n\n";
   if (evaluated.evaluation.environments.size() > 1)
-    text += environments_text(evaluated.evaluation.environments);
+    text += environments_text(evaluated.evaluation.environments, by_gyro);
   text += bounds_text(evaluated.evaluation.bounds);
   text += gate_text(evaluated.evaluation.gain) + sigma_text(evaluated.evaluation) +
-          angles_text(evaluated.evaluation);
+          angles_text(evaluated.evaluation, by_gyro);
   if (!evaluated.warnings.empty()) text += "\n";
   for (const std::string& warning : evaluated.warnings) text += "warning: " + printable(warning) + "\n";
   return text;

@@ -14,6 +14,7 @@ namespace thermorig::app {
 struct ModelEvaluation {
   study::Evaluation evaluation;
   std::vector<std::string> warnings;
+  bool labelled_by_gyro = false;  // one of the sessions at least: its rig had no servo
 };
 
 std::string model_text(const std::string& name, const model::Model& model, const ModelEvaluation& evaluated);

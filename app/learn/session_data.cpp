@@ -43,7 +43,25 @@ std::string some_of(const std::vector<std::string>& files) {
   return files.size() > most ? fmt::format("{} and {} more", names, files.size() - most) : names;
 }
 
+/// Files of rigs without a servo.
+std::vector<std::string> labelled_by_gyro(const dataset::Acquisitions& data) {
+  std::vector<std::string> files;
+  for (std::size_t i = 0; i < data.acquisitions.size(); ++i)
+    if (data.acquisitions[i].is_labelled_by_gyro) files.push_back(data.files[i].string());
+  return files;
+}
+
+void tell_labels(const std::vector<std::string>& files) {
+  if (files.empty()) return;
+  print(
+      "labels from the gyro (no servo): {}\n"
+      "  what sees the gyro is held against a part of itself there: only errors from\n"
+      "  images alone say how good an estimator is\n",
+      some_of(files));
+}
+
 void tell_choice(const dataset::Acquisitions& data) {
+  tell_labels(labelled_by_gyro(data));
   if (!data.for_calibration.empty())
     print("left out, recorded for calibrations: {}\n", some_of(strings_of(data.for_calibration)));
   tell_left_out(data.left_out);
@@ -105,6 +123,7 @@ void add_choice_to(nlohmann::json& object, const dataset::Acquisitions& data) {
   for (std::string& file : files_of(data.left_out)) left_out.push_back(std::move(file));
   object["left_out"] = left_out;
   object["bad"] = files_of(data.bad);
+  object["labels_from_gyro"] = labelled_by_gyro(data);
 }
 
 SessionOptions session_options(const EvaluateOptions& options) {

@@ -239,6 +239,9 @@ class Run {
     TrainEnd end{.config = config_, .result = result};
     end.exit = result.stopped ? ExitCode::interrupted : ExitCode::ok;
     end.seconds = seconds_before_ + elapsed_s();
+    end.labelled_by_gyro =
+        std::any_of(data_.acquisitions.begin(), data_.acquisitions.end(),
+                    [](const network::Acquisition& acquisition) { return acquisition.is_labelled_by_gyro; });
     training::Fits fits;
     if (result.model.provenance.epoch_kept > 0) {
       write(result.model);

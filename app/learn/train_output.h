@@ -40,6 +40,7 @@ struct TrainEnd {
   const training::Fits* fits = nullptr;  // none: not one epoch was done
   std::string model;                     // file that was written; empty: none
   double seconds = 0.0;                  // over all parts of the run
+  bool labelled_by_gyro = false;         // one of the sessions at least: its rig had no servo
   ExitCode exit = ExitCode::ok;
 };
 

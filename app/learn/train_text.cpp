@@ -84,11 +84,12 @@ std::string fit_row(const char* name, double mse, const TrainingConfig& config) 
   return fmt::format("  {:<18} MSE {}\n", name, error_text(mse, config));
 }
 
-std::string fit_text(const std::string& heading, const Fit& fit, const TrainingConfig& config) {
+std::string fit_text(const std::string& heading, const Fit& fit, const TrainEnd& end) {
+  const TrainingConfig& config = end.config;
   std::string text = fmt::format("{} ({} windows)\n", heading, count_text(fit.windows));
   text += fit_row(config.shape.fusion ? "fusion" : "thermal-only", fit.network_mse, config);
   if (config.shape.fusion) text += fit_row("its thermal part", fit.thermal_mse, config);
-  text += fit_row("gyro alone", fit.gyro_mse, config);
+  if (!end.labelled_by_gyro) text += fit_row("gyro alone", fit.gyro_mse, config);
   if (config.shape.fusion)
     text += fmt::format("  {:<18} mean {}, below 0.02 in {}, above 0.98 in {}\n", "gate Kg",
                         gain_text(fit.gain_mean), percent_text(fit.gain_below_002),
@@ -192,16 +193,16 @@ std::vector<std::string> warnings_of(const TrainEnd& end) {
   const Fit& fit = judging(*end.fits);
   if (end.config.shape.fusion && training::gate_collapsed(fit.gain_mean))
     warnings.push_back(collapsed_text(fit.gain_mean) + against_collapse(end.config));
-  if (fit.gyro_mse < fit.network_mse) warnings.push_back(gyro_text(fit));
+  if (!end.labelled_by_gyro && fit.gyro_mse < fit.network_mse) warnings.push_back(gyro_text(fit));
   return warnings;
 }
 
 std::string end_text(const TrainEnd& end) {
   std::string text;
   if (end.fits != nullptr) {
-    text += fit_text("on the windows that it was trained on", end.fits->training, end.config);
+    text += fit_text("on the windows that it was trained on", end.fits->training, end);
     if (end.fits->held_out)
-      text += fit_text("on the held-out acquisition, which chose the epoch", *end.fits->held_out, end.config);
+      text += fit_text("on the held-out acquisition, which chose the epoch", *end.fits->held_out, end);
   }
   for (const std::string& warning : warnings_of(end)) text += "warning: " + warning + "\n";
   if (end.result.stopped)

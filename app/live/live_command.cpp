@@ -18,6 +18,7 @@
 #include "record/recorder.h"
 #include "record/recording_setup.h"
 #include "record/virtual_bus.h"
+#include "thermorig/io/port.h"
 #include "thermorig/rig/recording/port_recording.h"
 #include "thermorig/rig/recording/virtual_recording.h"
 
@@ -26,6 +27,13 @@ namespace thermorig::app {
 namespace {
 
 constexpr PerDevice<bool> needed_devices{{false, false, true}};  // what is left goes on
+
+/// Ports that are named are the whole rig: without one of a servo there is none.
+RigOptions with_what_is_there(RigOptions rig) {
+  const bool names_other = !rig.ports[Device::camera].empty() || !rig.ports[Device::gyro].empty();
+  if (names_other && rig.ports[Device::servo].empty() && rig.profile.empty()) rig.no_servo = true;
+  return rig;
+}
 
 /// What the recording of a live run has beside that of `record`.
 void make_live(const LiveOptions& options, const ChosenModel& model, const estimators::Bank& bank,
@@ -99,9 +107,12 @@ Outcome outcome_of(LiveRun& run, bool keeps, Drive drive) {
 ExitCode run(const LiveOptions& options) {
   if (options.replay) return replay_live(options);
   check_recording_words(options.record);
-  const ChosenRig rig = chosen_rig(options.record.rig, options.record.environment, needed_devices);
-  rig::SweepPlan plan = chosen_plan(options.record);
+  ChosenRig rig =
+      chosen_rig(with_what_is_there(options.record.rig), options.record.environment, needed_devices);
+  rig::SweepPlan plan = chosen_plan(options.record, rig);
   plan.repeat = options.loop;
+  if (rig.simulated && !rig.profile.servo.is_there())
+    turn_by_hand(rig, options.record.fast ? rig.simulated->start : io::now(), plan.opening_rest_s);
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
   if (options.keep) require_output(options.record, rig, plan);
   const ChosenModel model = choose_live_model(options, rig.profile.camera);

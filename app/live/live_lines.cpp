@@ -103,6 +103,7 @@ class LiveLines : public LiveScreen {
   explicit LiveLines(OutputWriter& output) : output_(output) {}
 
   void hello(const LiveFacts& facts) override {
+    has_servo_ = facts.header.profile.servo.is_there();
     rates_ = RateLines(facts.header.estimators, facts.header.time_reference, terminal_width());
     output_.write(heading_of(facts) + rates_.hidden() + "?: not reliable (yet); rates in deg/s\n",
                   Matter::word);
@@ -116,12 +117,13 @@ class LiveLines : public LiveScreen {
   }
   void note(const std::string& sentence) override { output_.write(printable(sentence) + "\n", Matter::word); }
   void ended(const LiveEnd& end, const live::LiveScores& scores) override {
-    output_.write_last(ending_of(end, scores));
+    output_.write_last(ending_of(end, scores, has_servo_));
   }
 
  private:
   OutputWriter& output_;
   RateLines rates_;
+  bool has_servo_ = true;
   std::optional<HostTime> last_;
   int lines_ = 0;
 };
@@ -153,10 +155,13 @@ class LiveJson : public MessageSink {
 
 std::string heading_of(const LiveFacts& facts) {
   const RecordingHeader& header = facts.header;
-  std::string text =
-      fmt::format("{} {}, plan {}: {} legs, about {}{}\n", name_of(facts.mode), printable(header.environment),
-                  printable(facts.plan_name), facts.legs, duration_text(facts.expected_s),
-                  facts.repeats ? ", again and again until stopped" : "");
+  std::string text = fmt::format("{} {}, ", name_of(facts.mode), printable(header.environment));
+  if (header.profile.servo.is_there())
+    text +=
+        fmt::format("plan {}: {} legs, about {}{}\n", printable(facts.plan_name), facts.legs,
+                    duration_text(facts.expected_s), facts.repeats ? ", again and again until stopped" : "");
+  else
+    text += "no servo: rates are shown, and not scored\n";
   if (header.simulated) text += simulated_line(header.simulation_seed, header.simulation);
   const LiveModel& model = header.live_model;
   if (model.name.empty())
@@ -187,9 +192,12 @@ std::string scores_text(const live::LiveScores& scores) {
   return text;
 }
 
-std::string ending_of(const LiveEnd& end, const live::LiveScores& scores) {
+std::string ending_of(const LiveEnd& end, const live::LiveScores& scores, bool has_servo) {
   std::string text;
-  if (scores.frames > 0) text = fmt::format("\n{}", scores_text(scores));
+  if (!has_servo)
+    text = "\nno scores: without a servo nothing says how fast the rig was to turn\n";
+  else if (scores.frames > 0)
+    text = fmt::format("\n{}", scores_text(scores));
   if (!end.session.empty()) text += "session  " + printable(end.session) + "\n";
   if (end.is_error) return text;  // standard error tells the rest
   if (!end.message.empty()) text += "note     " + printable(end.message) + "\n";

@@ -26,6 +26,6 @@ std::string heading_of(const LiveFacts& facts);
 std::string scores_text(const live::LiveScores& scores);
 
 /// How it ended, and the figures.
-std::string ending_of(const LiveEnd& end, const live::LiveScores& scores);
+std::string ending_of(const LiveEnd& end, const live::LiveScores& scores, bool has_servo);
 
 }  // namespace thermorig::app

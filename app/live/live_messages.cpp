@@ -72,7 +72,7 @@ nlohmann::json estimates_json(const LiveFrame& frame) {
 // A camera's reads are coarse: a bridge that is read once in half a second is still alive.
 std::string state_of(Device device, const rig::RecordingProgress& progress) {
   const rig::DeviceHealth& health = progress.health[device];
-  if (progress.gone[device]) return "lost";
+  if (progress.gone[device]) return progress.absent[device] ? "absent" : "lost";
   if (progress.awaited[device]) return "awaited";
   if (!health.age_s) return "waiting";
   constexpr double late_periods = 3.0;

@@ -34,8 +34,9 @@ void add_source(CLI::App& command, LiveCommandLine& words) {
   command.add_flag("--tui", live.tui, "Draw the image and the rates in the terminal");
   add_replug(command, live.record.replug_patience_s);
   in_group(command, "Sweep plan", [&] {
-    add_plan(command, live.record.plan);
+    add_plan(command, live.record);
     add_legs(command, live.record, "0 without --record");
+    add_seconds(command, live.record);
     command.add_flag("--loop", live.loop, "Repeat the plan until Ctrl-C");
   });
 }
@@ -105,7 +106,9 @@ void check_words_without_effect(const LiveCommandLine& words) {
                  "--no-preflight",
                  "--replug-patience",
                  "--sync",
-                 "--licence"},
+                 "--licence",
+                 "--seconds",
+                 "--no-servo"},
                 "is for a rig; a replay takes all that from its session");
   if (!live.keep)
     refuse_said(words, {"--output", "--licence"}, "is for a session, and none is kept without --record");

@@ -122,7 +122,7 @@ class LiveTui : public LiveScreen {
     if (output_.write(fmt::format("{}{}\n", erasing(lines_), printable(sentence)), Matter::word)) lines_ = 0;
   }
   void ended(const LiveEnd& end, const live::LiveScores& scores) override {
-    output_.write_last(fmt::format("\r{}", ending_of(end, scores)));
+    output_.write_last(fmt::format("\r{}", ending_of(end, scores, facts_.header.profile.servo.is_there())));
   }
 
  private:

@@ -46,8 +46,11 @@ std::string heading(const std::filesystem::path& path, const Session& session, c
   const session::Place place = session::place_of(session);
   text += fmt::format("  recorded     {} acquisition {}, {}, {}\n", printable(place.environment),
                       place.acquisition, printable(header.start_time_utc), duration_text(quality.duration_s));
-  text +=
-      fmt::format("  plan         {}, {} frames a leg\n", printable(header.plan_name), header.frames_per_leg);
+  if (header.profile.servo.is_there())
+    text += fmt::format("  plan         {}, {} frames a leg\n", printable(header.plan_name),
+                        header.frames_per_leg);
+  else
+    text += "  labels       from the gyro: this rig has no servo\n";
   text += fmt::format("  made by      {} ({})\n", printable(header.creator), printable(header.creator_git));
   if (!header.licence.empty()) text += fmt::format("  licence      {}\n", printable(header.licence));
   if (!header.operator_name.empty())
@@ -64,9 +67,10 @@ std::string heading(const std::filesystem::path& path, const Session& session, c
   return text;
 }
 
-std::string stream_table(const Quality& quality) {
+std::string stream_table(const Quality& quality, const RigProfile& profile) {
   Table table({"stream", ">received", ">lost", ">bad", ">repeated", ">rate", ">mean", ">longest gap"});
   for (Device device : all_devices) {
+    if (!profile.has(device)) continue;
     const Quality::Stream& stream = quality.stream[device];
     table.add({std::string(name_of(device)), count_text(stream.received), count_text(stream.lost),
                count_text(stream.bad), count_text(stream.repeated),
@@ -163,6 +167,9 @@ nlohmann::json quality_json(const Quality& quality) {
 }
 
 std::string valid_frames_text(const Quality& quality) {
+  if (quality.swept == quality.frames)
+    return fmt::format("frames   {} of {} are valid ({})\n", count_text(quality.valid),
+                       count_text(quality.frames), share_text(quality.valid, quality.frames));
   return fmt::format("frames   {} of {} in legs are valid ({}); {} in all\n", count_text(quality.valid),
                      count_text(quality.swept), share_text(quality.valid, quality.swept),
                      count_text(quality.frames));
@@ -187,9 +194,9 @@ std::string left_out_text(const std::vector<std::string>& left_out) {
 
 std::string text_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {
   const std::string speeds = quality.speeds.empty() ? "" : fmt::format("\n{}", speed_table(quality));
-  return fmt::format("{}\n{}\n{}{}{}\n{}", heading(path, session, quality), stream_table(quality),
-                     frames_text(quality), timing_line(path, session, quality), speeds,
-                     verdict_text(quality));
+  return fmt::format("{}\n{}\n{}{}{}\n{}", heading(path, session, quality),
+                     stream_table(quality, session.raw.header.profile), frames_text(quality),
+                     timing_line(path, session, quality), speeds, verdict_text(quality));
 }
 
 nlohmann::json inspected_json(const std::filesystem::path& path, const Session& session,
@@ -211,6 +218,7 @@ nlohmann::json inspected_json(const std::filesystem::path& path, const Session& 
   for (Device device : all_devices)
     object["streams"][std::string(name_of(device))] =
         stream_json(quality.stream[device], session.counters[device]);
+  object["label_source"] = session.raw.header.profile.servo.is_there() ? "command" : "gyro";
   object["verdict_reasons"] = quality.verdict_reasons;
   return object;
 }

@@ -44,10 +44,11 @@ void remark_offset(const session::Session& session, Remarks& remarks) {
   remarks.advise("thermorig calibrate latency");
 }
 
-void remark_gyro(const GyroErrors& gyro, Remarks& remarks) {
+void remark_gyro(const GyroErrors& gyro, bool has_servo, Remarks& remarks) {
   if (gyro.bias_dps) return;
   remarks.say("the gyro's bias is not known");
-  if (!gyro.zeroes_itself) remarks.advise("thermorig calibrate bias");
+  if (!gyro.zeroes_itself)
+    remarks.advise(has_servo ? "thermorig calibrate bias" : "record again, and begin with a rest of 10 s");
 }
 
 /// What the session says against its profile; the verdict has the figures.
@@ -83,12 +84,14 @@ bool has_timing(const session::Session& session) {
 TimingRemarks timing_remarks(const session::Session& session) {
   if (!has_timing(session)) return {};
   Remarks remarks;
+  const RigProfile& profile = session.raw.header.profile;
   for (const Device device : all_devices)
-    remark_clock(device, session.sync.clock[device], session.raw.header.simulated, remarks);
+    if (profile.has(device))
+      remark_clock(device, session.sync.clock[device], session.raw.header.simulated, remarks);
   remark_offset(session, remarks);
-  remark_gyro(session.sync.gyro, remarks);
+  remark_gyro(session.sync.gyro, profile.servo.is_there(), remarks);
   remark_constants(session, remarks);
-  remark_servo(session.sync.servo, remarks);
+  if (profile.servo.is_there()) remark_servo(session.sync.servo, remarks);
   return remarks.take();
 }
 

@@ -266,7 +266,9 @@ std::string timing_text(const std::filesystem::path& path, const Session& sessio
   text += fmt::format(
       "\n{}{}{}",
       timing_line("camera - gyro", offset_text(sync.camera_offset)) + rows_text(sync.camera_offset),
-      gyro_text(session) + witnesses_text(session.sync.witnesses), servo_text(session, quality));
+      gyro_text(session) + witnesses_text(session.sync.witnesses),
+      session.raw.header.profile.servo.is_there() ? servo_text(session, quality)
+                                                  : timing_line("labels", "from the gyro: no servo"));
   if (std::isfinite(quality.rate_shaft_uncertainty_dps))
     text += timing_line("shaft", fmt::format("+- {:.2f} deg/s in the median valid frame",
                                              quality.rate_shaft_uncertainty_dps));
@@ -279,6 +281,7 @@ std::string timing_line(const std::filesystem::path& path, const Session& sessio
   if (!has_timing(session)) return fmt::format("timing   {}\n", printable(reprocess_advice(path)));
   std::string text = "timing   ";
   for (const Device device : all_devices) {
+    if (!session.raw.header.profile.has(device)) continue;
     const ClockReport& clock = session.sync.clock[device];
     text += clock.method.empty()
                 ? fmt::format("{} unknown, ", name_of(device))

@@ -218,6 +218,10 @@ ExitCode run(const CalibrateOptions& options) {
   const ChosenRig rig = chosen_rig(options.record.rig, options.record.environment);
   if (!path.empty() && std::filesystem::exists(path))
     refuse_mixture(rig.simulated.has_value(), rig::read_profile(path), path);
+  if (!rig.profile.servo.is_there())
+    throw Error(ExitCode::bad_usage, "this rig has no servo that could be driven", "",
+                "thermorig record --no-servo, then thermorig calibrate " + name_of(options.kind) +
+                    " --session with that session, for latency, scale or lens");
   const rig::SweepPlan plan = plan_of(options, rig);
   if (options.record.dry_run) return print_dry_run(options.record, rig, plan);
   const CalibrationRecording recorded = record_for(options, rig, plan);

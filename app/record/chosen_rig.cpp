@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "chosen_rig.h"
 
+#include <array>
+
 #include "profile_path.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
@@ -33,14 +35,20 @@ void check_words(const RigOptions& options) {
         "", "--simulated=4");
 }
 
+void check_servo_words(const RigOptions& options) {
+  if (!options.no_servo || (options.ports[Device::servo].empty() && !options.parts.servo)) return;
+  throw Error(ExitCode::bad_usage, "--no-servo says that there is no servo, and another word names one", "",
+              "leave --no-servo out, or --servo and --simulated-servo");
+}
+
 void check_ports(const RigProfile& profile, const PerDevice<bool>& needed) {
   std::string missing;
   for (Device device : all_devices)
-    if (needed[device] && profile.link(device).port.empty())
+    if (needed[device] && profile.has(device) && profile.link(device).port.empty())
       missing += (missing.empty() ? "" : ", ") + std::string(name_of(device));
   if (missing.empty()) return;
   throw Error(ExitCode::bad_usage, "no port is named for " + missing, "",
-              "thermorig ports (finds them), --rig PROFILE, or --simulated");
+              "thermorig ports (finds them), --rig PROFILE, or --simulated; --no-servo without a servo");
 }
 
 /// The device behind a port's name; the name itself if there is none, which opening it will say.
@@ -71,6 +79,7 @@ void apply(const RigOptions& options, RigProfile& profile) {
   if (options.camera_baud) profile.camera.link.baud = *options.camera_baud;
   if (options.gyro_baud) profile.gyro.link.baud = *options.gyro_baud;
   if (options.servo_baud) profile.servo.link.baud = *options.servo_baud;
+  if (options.no_servo) profile.servo.kind = ServoKind::none;
   if (options.camera_rate_hz) profile.camera.output_rate_hz = *options.camera_rate_hz;
 }
 
@@ -120,9 +129,25 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
   return config;
 }
 
+void turn_by_hand(ChosenRig& rig, HostTime start, double seconds) {
+  constexpr double rest_before_s = 12.0, rest_behind_s = 8.0, pause_s = 1.0;
+  constexpr std::array<double, 4> durations_s{12.0, 8.0, 6.0, 4.0};  // of each turn and its way back
+  constexpr double turn_deg = 420.0;
+  double at_s = rest_before_s;
+  for (std::size_t turn = 0;; ++turn) {
+    const double duration_s = durations_s[turn / 2 % durations_s.size()];
+    if (at_s + duration_s > seconds - rest_behind_s) return;
+    rig.simulated->hand_turns.push_back({.begin = start + from_s(at_s),
+                                         .duration_s = duration_s,
+                                         .angle_deg = turn % 2 == 0 ? turn_deg : -turn_deg});
+    at_s += duration_s + pause_s;
+  }
+}
+
 ChosenRig chosen_rig(const RigOptions& options, const std::string& environment,
                      const PerDevice<bool>& needed) {
   check_words(options);
+  check_servo_words(options);
   ChosenRig chosen;
   if (options.simulated_seed) {
     chosen.simulated = simulated_rig(*options.simulated_seed, environment, options.parts);
@@ -133,6 +158,8 @@ ChosenRig chosen_rig(const RigOptions& options, const std::string& environment,
   check_values(chosen.profile);
   if (chosen.simulated) {
     chosen.simulated->profile = chosen.profile;
+    // The simulated rig has one in any case, which then stands still: a hand turns all of it.
+    if (!chosen.profile.servo.is_there()) chosen.simulated->profile.servo = ServoProfile();
   } else {
     check_ports(chosen.profile, needed);
     check_ports_differ(chosen.profile);

@@ -21,6 +21,10 @@ struct ChosenRig {
 ChosenRig chosen_rig(const RigOptions& options, const std::string& environment,
                      const PerDevice<bool>& needed = {{true, true, true}});
 
+/// Gives the simulated rig without a servo somebody who turns it for so long: a rest of 12 s, turns of more
+/// than a whole one both ways at several speeds, a rest.
+void turn_by_hand(ChosenRig& rig, HostTime start, double seconds);
+
 /// A simulated rig with one of the servos "winch", "180", "270", "continuous" and one of the cameras "half",
 /// "full", one of the gyros "calibrated", "typical", "raw".
 simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string& environment,

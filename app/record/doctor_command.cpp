@@ -42,7 +42,7 @@ class Listening {
 };
 
 rig::RecordingOptions listening_options(const RecordOptions& options, const ChosenRig& rig) {
-  rig::RecordingOptions recording = recording_options(options, rig, chosen_plan(options));
+  rig::RecordingOptions recording = recording_options(options, rig, chosen_plan(options, rig));
   recording.keep = false;
   recording.wait_for_start = true;
   recording.preflight = rig::PreflightMode::warn;
@@ -93,6 +93,7 @@ bool names_rig(const RigOptions& rig) {
 std::vector<doctor::AskedPort> ports_of(const ChosenRig& rig) {
   std::vector<doctor::AskedPort> ports;
   for (const Device device : all_devices) {
+    if (!rig.profile.has(device)) continue;
     std::string path = rig.profile.link(device).port;
     try {
       path = io::resolve_port(path);
@@ -141,7 +142,7 @@ Checks all_checks(const RecordOptions& options) {
     return checks;
   }
   const ChosenRig rig = chosen_rig(options.rig, options.environment);
-  const rig::SweepPlan plan = chosen_plan(options);
+  const rig::SweepPlan plan = chosen_plan(options, rig);
   for (const Check& check : checks_before(options, rig, plan))
     if (!check.name.ends_with(" port")) checks.push_back(check);  // looked at more closely below
   checks.push_back(disk_check(options, rig.profile));

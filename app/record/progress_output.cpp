@@ -147,6 +147,7 @@ class PlainOutput : public ProgressOutput {
                                    leg_text(progress.sweep), left_text(progress.sweep));
     if (has_quota(progress.sweep)) text += "; " + quota_text(progress.sweep);
     for (Device device : all_devices) {
+      if (progress.absent[device]) continue;
       if (const auto& awaited = progress.awaited[device]) {
         text += fmt::format("; {} AWAITED, {:.0f} s left", name_of(device), std::ceil(awaited->left_s));
         continue;
@@ -229,7 +230,8 @@ void ProgressOutput::show(const RecordingProgress& progress) {
 
 std::vector<std::string> status_lines(const RecordingProgress& progress) {
   std::vector<std::string> lines;
-  for (Device device : all_devices) lines.push_back(device_line(device, progress));
+  for (Device device : all_devices)
+    if (!progress.absent[device]) lines.push_back(device_line(device, progress));
   lines.push_back(fmt::format("{} {}  {}", bar(progress.sweep.done_share), left_text(progress.sweep),
                               leg_text(progress.sweep)));
   if (!has_quota(progress.sweep)) return lines;

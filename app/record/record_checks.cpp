@@ -60,7 +60,8 @@ Check check_plan(const RecordOptions& options, const ChosenRig& rig, const rig::
   Check check{.name = "plan"};
   try {
     rig::check_plan(plan, rig.profile.servo, rig.profile.camera, options.frames_per_window);
-    check.result = "every speed and every leg is within the servo's limits";
+    check.result = rig.profile.servo.is_there() ? "every speed and every leg is within the servo's limits"
+                                                : "no servo: nothing is driven";
   } catch (const Error& error) {
     check.code = error.code();
     check.result = error.what_happened();
@@ -86,7 +87,9 @@ Refusal refusal_of(const std::filesystem::path& folder, std::uintmax_t free, std
 
 Check check_output(const RecordOptions& options, const RigProfile& profile, const rig::SweepPlan& plan) {
   Check check{.name = "output"};
-  const std::uint64_t needed = rig::expected_recording_bytes(plan, profile);
+  constexpr double usual_s = 600.0;  // of one that ends when it is stopped
+  const std::uint64_t needed =
+      rig::expected_recording_bytes(plan.ends_by_stop() ? rig::by_hand_plan(usual_s) : plan, profile);
   const std::filesystem::path folder = files::existing_part(options.output / options.environment);
   std::error_code unknown;
   const std::uintmax_t space = std::filesystem::space(folder, unknown).available;
@@ -128,8 +131,10 @@ void print_legs(const rig::SweepPlan& plan, const ChosenRig& rig) {
 
 /// "6 legs of 30 frames, rests of 2.0 s and 2.0 s"; a plan without legs is one rest.
 std::string legs_text(const rig::SweepPlan& plan) {
+  if (plan.ends_by_stop()) return "until it is stopped";
   if (plan.leg_rates_dps.empty())
-    return "a rest of " + duration_text(plan.opening_rest_s + plan.closing_rest_s);
+    return (plan.for_calibration ? "a rest of " : "turned by hand for ") +
+           duration_text(plan.opening_rest_s + plan.closing_rest_s);
   return fmt::format("{} legs of {} frames, rests of {} and {}", plan.leg_rates_dps.size(),
                      plan.frames_per_leg, duration_text(plan.opening_rest_s),
                      duration_text(plan.closing_rest_s));
@@ -189,18 +194,21 @@ void print_remark_on_rates(const RigProfile& profile, bool json) {
 
 double recording_bytes_per_s(const RigProfile& profile) {
   double bytes_per_s = 0;
-  for (const Device device : all_devices) bytes_per_s += rig::link_load(device, profile).bytes_per_s();
+  for (const Device device : all_devices)
+    if (profile.has(device)) bytes_per_s += rig::link_load(device, profile).bytes_per_s();
   return bytes_per_s;
 }
 
 std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& rig,
                                  const rig::SweepPlan& plan) {
   std::vector<Check> checks{check_plan(options, rig, plan)};
-  for (Device device : all_devices) checks.push_back(check_link(device, rig.profile));
+  for (Device device : all_devices)
+    if (rig.profile.has(device)) checks.push_back(check_link(device, rig.profile));
   if (const std::string remark = sensors::remark_on_rates(rig.profile.gyro); !remark.empty())
     checks.push_back(check_rates(remark));
   if (!rig.simulated)
-    for (Device device : all_devices) checks.push_back(check_port(device, rig.profile));
+    for (Device device : all_devices)
+      if (rig.profile.has(device)) checks.push_back(check_port(device, rig.profile));
   checks.push_back(check_output(options, rig.profile, plan));
   return checks;
 }
@@ -217,7 +225,8 @@ ExitCode print_dry_run(const RecordOptions& options, const ChosenRig& rig, const
   } else {
     const double duration_s =
         rig::plan_duration_s(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
-    print("plan {}: {}, about {}\n", printable(plan.name), legs_text(plan), duration_text(duration_s));
+    print("plan {}: {}{}\n", printable(plan.name), legs_text(plan),
+          plan.leg_rates_dps.empty() ? "" : ", about " + duration_text(duration_s));
     if (!plan.leg_rates_dps.empty()) {
       print_legs(plan, rig);
       print("\n{}", yield_text(plan, rig.profile));

@@ -25,8 +25,9 @@ double worst_gap_s(const session::Quality& quality) {
 std::string gaps_text(const session::Quality& quality) {
   std::string text;
   for (Device device : all_devices)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(device),
-                        gap_text(quality.stream[device].gap_max_s));
+    if (quality.stream[device].received > 0)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(device),
+                          gap_text(quality.stream[device].gap_max_s));
   return text;
 }
 
@@ -34,6 +35,7 @@ std::string lost_text(const session::Quality& quality) {
   std::string text;
   for (Device device : all_devices) {
     const auto& stream = quality.stream[device];
+    if (stream.received == 0 && stream.bad == 0) continue;
     text += fmt::format("{}{} {} lost {} bad", text.empty() ? "" : ", ", name_of(device),
                         count_text(stream.lost), count_text(stream.bad));
   }
@@ -77,7 +79,8 @@ void print_figures(const RecordSummary& summary) {
   const RecordingResult& result = summary.result;
   const session::Quality& quality = result.quality;
   print("{}", valid_frames_text(quality));
-  if (!summary.plan.for_calibration) print_speeds(summary);  // such a plan has no quota
+  if (!summary.plan.leg_rates_dps.empty() && !summary.plan.for_calibration)
+    print_speeds(summary);  // a calibration has no quota
   print("streams  {}\n", lost_text(quality));
   print("gaps     longest: {}\n", gaps_text(quality));
   std::string verdict = quality.verdict;
@@ -98,6 +101,7 @@ nlohmann::json json_of(const RecordSummary& summary) {
                         {"duration_s", result.duration_s},
                         {"wall_s", summary.wall_s},
                         {"speeds", speeds_json(result.speeds)},
+                        {"lacking", result.lacking},
                         {"speeds_short", wanting_speeds(summary).count},
                         {"worst_gap_s", worst_gap_s(quality)},
                         {"verdict_reasons", quality.verdict_reasons},
@@ -122,6 +126,7 @@ void print_text(const RecordSummary& summary) {
   else
     print("recorder {} of virtual time in {}\n", duration_text(result.duration_s),
           duration_text(summary.wall_s));
+  for (const std::string& lacking : result.lacking) print("lacking  {}\n", lacking);
   if (!result.message.empty()) print("note     {}\n", printable(result.message));
   if (!result.advice.empty() && result.advice != next_command(result))
     print("try      {}\n", printable(result.advice));

@@ -75,11 +75,12 @@ void announce(const rig::RecordingOptions& recording, bool json) {
     return;
   }
   const std::string legs =
-      plan.leg_rates_dps.empty()
+      !recording.profile.servo.is_there() ? std::string("turned by hand")
+      : plan.leg_rates_dps.empty()
           ? std::string("a rest")
           : fmt::format("{} legs of {} frames", plan.leg_rates_dps.size(), plan.frames_per_leg);
-  print("recording {}, plan {}: {}, about {}\n", recording.environment, printable(plan.name), legs,
-        duration_text(duration_s));
+  print("recording {}, plan {}: {}, {}\n", recording.environment, printable(plan.name), legs,
+        plan.ends_by_stop() ? "until Ctrl-C" : "about " + duration_text(duration_s));
   if (recording.simulated) print("{}", simulated_line(recording.simulation_seed, recording.simulation));
   flush_output();
 }

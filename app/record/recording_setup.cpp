@@ -23,6 +23,18 @@ std::string differences_text(const SimulatedParts& parts, const simulation::Virt
   return text + ", world " + simulation::text_of(rig.world);
 }
 
+/// A simulated hand turns for so long.
+constexpr double simulated_by_hand_s = 90.0;
+
+rig::SweepPlan plan_without_servo(const RecordOptions& options, const ChosenRig& rig) {
+  if (options.plan_is_named || !options.speeds_dps.empty() || options.frames_per_leg ||
+      options.valid_per_leg.value_or(0) > 0)
+    throw Error(ExitCode::bad_usage, "without a servo no plan is driven", "",
+                "leave --plan, --speeds, --frames-per-leg and --valid-per-leg out; --seconds says how long");
+  if (rig.simulated) return rig::by_hand_plan(options.seconds.value_or(simulated_by_hand_s));
+  return rig::by_hand_plan(options.seconds);
+}
+
 void mark_pseudo_terminals(rig::RecordingOptions& recording) {
   const auto is_pseudo = [&](Device device) {
     const std::string& port = recording.profile.link(device).port;
@@ -36,7 +48,8 @@ void mark_pseudo_terminals(rig::RecordingOptions& recording) {
 std::unique_ptr<SimulatedPorts> simulated_ports(const simulation::VirtualRigConfig& config,
                                                 rig::RecordingOptions& recording) {
   auto ports = std::make_unique<SimulatedPorts>(config, FirmwareChoice::avr_image);
-  for (Device device : all_devices) recording.profile.link(device).port = ports->paths()[device];
+  for (Device device : all_devices)
+    if (recording.profile.has(device)) recording.profile.link(device).port = ports->paths()[device];
   recording.simulation = "ports, " + ports->firmware_description();
   ports->start();
   return ports;
@@ -66,7 +79,11 @@ rig::RecordingOptions recording_options(const RecordOptions& options, const Chos
   return recording;
 }
 
-rig::SweepPlan chosen_plan(const RecordOptions& options) {
+rig::SweepPlan chosen_plan(const RecordOptions& options, const ChosenRig& rig) {
+  if (!rig.profile.servo.is_there()) return plan_without_servo(options, rig);
+  if (options.seconds)
+    throw Error(ExitCode::bad_usage, "--seconds is for a rig without a servo: a sweep has a plan", "",
+                "--plan quick, or --no-servo");
   rig::PlanOverrides overrides;
   overrides.magnitudes_dps = options.speeds_dps;
   overrides.frames_per_leg = options.frames_per_leg;

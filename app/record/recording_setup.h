@@ -15,7 +15,7 @@ rig::RecordingOptions recording_options(const RecordOptions& options, const Chos
                                         const rig::SweepPlan& plan);
 
 /// The plan that the command line names, with what it changes in it. Throws Error(bad_usage).
-rig::SweepPlan chosen_plan(const RecordOptions& options);
+rig::SweepPlan chosen_plan(const RecordOptions& options, const ChosenRig& rig);
 
 /// Switches a simulated rig on, but in virtual time, and gives its ports to the recording, which then uses
 /// them as it uses any other; nothing for a real rig. Says in the recording whether and how it is simulated:

@@ -16,6 +16,7 @@
 #include "thermorig/core/bad_pixels.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/labels/gyro_filter.h"
+#include "thermorig/pipeline/labels/gyro_rests.h"
 #include "thermorig/pipeline/labels/servo_response.h"
 #include "thermorig/pipeline/labels/witnesses.h"
 #include "thermorig/pipeline/motion/panorama_fit.h"
@@ -200,7 +201,9 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
 
   SyncReport sync;
   sync.bad_pixels = mend_bad_pixels(streams.frames);
-  sync.gyro = labels::fit_gyro_errors(streams.gyro, streams.servo, profile.gyro);
+  sync.gyro = profile.servo.is_there()
+                  ? labels::fit_gyro_errors(streams.gyro, streams.servo, profile.gyro)
+                  : labels::fit_gyro_errors_without_servo(streams.gyro, streams.frames, profile.gyro);
   sync.gyro.decay_per_s = labels::gyro_decay_per_s(streams.gyro, streams.servo, sync.gyro);
   labels::fit_gyro_filter(streams.gyro, streams.servo, profile.gyro, sync.gyro, answered_bandwidth_hz(raw));
   apply_filter_delay(sync.gyro, clocks[Device::gyro]);

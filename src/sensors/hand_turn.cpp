@@ -56,26 +56,13 @@ bool is_rate(const Motion& motion) {
   return motion.share_one_way > 0.7 && motion.peak_to_rest > 5.0 && motion.stays_away < 0.15;
 }
 
-struct KnownUnit {
-  double scale_dps;
-  const char* name;
-};
-constexpr std::array known_units{KnownUnit{1.0, "deg/s"},
-                                 KnownUnit{57.29577951308232, "rad/s"},
-                                 KnownUnit{1.0 / 131.0, "counts at +-250 deg/s"},
-                                 KnownUnit{1.0 / 65.5, "counts at +-500 deg/s"},
-                                 KnownUnit{1.0 / 32.8, "counts at +-1000 deg/s"},
-                                 KnownUnit{1.0 / 16.4, "counts at +-2000 deg/s"},
-                                 KnownUnit{1e-3, "mdeg/s"}};
-
-/// The usual unit that is near to a measured one: within a third, as far as a hand turns 90 deg.
-const KnownUnit* unit_near(double scale_dps) {
-  const auto distance = [&](const KnownUnit& unit) { return std::abs(std::log(unit.scale_dps / scale_dps)); };
-  const auto nearest =
-      std::min_element(known_units.begin(), known_units.end(),
-                       [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-  return distance(*nearest) < std::log(4.0 / 3.0) ? &*nearest : nullptr;
-}
+constexpr std::array known_units{GyroUnit{1.0, "deg/s"},
+                                 GyroUnit{57.29577951308232, "rad/s"},
+                                 GyroUnit{1.0 / 131.0, "counts at +-250 deg/s"},
+                                 GyroUnit{1.0 / 65.5, "counts at +-500 deg/s"},
+                                 GyroUnit{1.0 / 32.8, "counts at +-1000 deg/s"},
+                                 GyroUnit{1.0 / 16.4, "counts at +-2000 deg/s"},
+                                 GyroUnit{1e-3, "mdeg/s"}};
 
 const TextTable* table_like(const TextPage& page, const TextFormat& format) {
   for (const TextTable& table : page.tables)
@@ -86,6 +73,14 @@ const TextTable* table_like(const TextPage& page, const TextFormat& format) {
 }
 
 }  // namespace
+
+std::optional<GyroUnit> usual_gyro_unit(double scale_dps) {
+  const auto distance = [&](const GyroUnit& unit) { return std::abs(std::log(unit.scale_dps / scale_dps)); };
+  const auto nearest =
+      std::min_element(known_units.begin(), known_units.end(),
+                       [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+  return distance(*nearest) < std::log(4.0 / 3.0) ? std::optional(*nearest) : std::nullopt;
+}
 
 std::optional<HandTurn> turned_by_hand(std::span<const std::uint8_t> bytes, const TextFormat& format,
                                        double heard_s) {
@@ -110,8 +105,8 @@ std::optional<HandTurn> turned_by_hand(std::span<const std::uint8_t> bytes, cons
   }
   if (!turned) return std::nullopt;
   const double row_s = heard_s / static_cast<double>(table->rows.size());
-  const KnownUnit* const unit = unit_near(hand_turn_deg / (most * row_s));
-  if (unit == nullptr) return std::nullopt;
+  const std::optional<GyroUnit> unit = usual_gyro_unit(hand_turn_deg / (most * row_s));
+  if (!unit) return std::nullopt;
 
   HandTurn result{.format = format, .axis = 2, .column = static_cast<int>(*turned)};
   const auto place = std::find(proposed.begin(), proposed.end(), result.column);

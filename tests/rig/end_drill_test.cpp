@@ -8,7 +8,7 @@
 namespace thermorig::tests {
 namespace {
 
-constexpr int long_leg = 40;  // frames: no leg ends before the mishap
+constexpr int leg_to_the_mishap = 40;  // frames: no leg ends before the mishap
 
 struct End {
   Mishap mishap;
@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(Ends, EndDrill, testing::ValuesIn(ends), [](const auto&
 });
 
 TEST_P(EndDrill, LeavesTheServoAtRest) {
-  const Outcome outcome = suffer(command(), GetParam().mishap, long_leg);
+  const Outcome outcome = suffer(command(), GetParam().mishap, leg_to_the_mishap);
   EXPECT_NE(outcome.code, 0) << outcome.out << outcome.err;
   expect_rest_after_the_end();
   expect_within_limits();

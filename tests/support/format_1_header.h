@@ -59,7 +59,9 @@ inline nlohmann::json format_1_gyro(const GyroProfile& gyro) {
 inline nlohmann::json format_1_servo(const ServoProfile& servo) {
   return {{"link", format_1_link(servo.link)},
           {"model", servo.model},
-          {"kind", servo.kind == ServoKind::positional ? "positional" : "continuous"},
+          {"kind", servo.kind == ServoKind::positional   ? "positional"
+                   : servo.kind == ServoKind::continuous ? "continuous"
+                                                         : "none"},
           {"travel_deg", servo.travel_deg},
           {"full_rate_dps", servo.full_rate_dps},
           {"pulse_min_us", servo.pulse_min_us},

@@ -197,15 +197,21 @@ class Session:
         """Speed in deg/s, NaN where it is not known, by its column or by the word of `train --label`.
         `rate_commanded` ("commanded") is what was commanded, and what `train` learns unless it is told otherwise;
         `rate_corrected` is the same, corrected by what the session measured of the servo; `rate_shaft` is what the servo model
-        makes of it. All are means over the frame's exposure."""
-        column = _label_column(name)
+        makes of it. All are means over the frame's exposure. Without a servo each of them is the gyro's, `rate_shaft`."""
+        column = "rate_shaft" if self.is_labelled_by_gyro else _label_column(name)
         if column not in self.file["samples"]:
             raise ValueError(f"{self.path}: is of a format that had no {column}: thermorig reprocess {self.path}")
         return self.column(column)
 
     def label_uncertainty(self, name: str = "rate_commanded") -> NDArray[np.float32]:
         """How far that label may be from the shaft's true speed: one standard deviation in deg/s, NaN: unknown."""
-        return self.column(_label_column(name) + "_uncertainty")
+        return self.column(("rate_shaft" if self.is_labelled_by_gyro else _label_column(name)) + "_uncertainty")
+
+    @cached_property
+    def is_labelled_by_gyro(self) -> bool:
+        """Whether its rig had no servo: its labels are the gyro's."""
+        source = self.file["samples"].attrs.get("label_source", "command")
+        return (source.decode() if isinstance(source, bytes) else source) == "gyro"
 
     @cached_property
     def gyro_dps(self) -> NDArray[np.float32]:
@@ -275,7 +281,9 @@ class Session:
 
     @cached_property
     def leg_dps(self) -> NDArray[np.float32]:
-        """(N) speed that the leg of the frame was to have; 0 outside legs."""
+        """(N) speed that the leg of the frame was to have; 0 outside legs, NaN without a servo."""
+        if self.is_labelled_by_gyro:
+            return np.full(len(self), np.nan, np.float32)
         rates = dict(zip(self.file["servo/step_leg"][:].tolist(), self.file["servo/step_rate"][:].tolist()))
         rates[0] = 0.0
         return np.array([rates.get(leg, 0.0) for leg in self.column("leg").tolist()], np.float32)

@@ -107,7 +107,9 @@ struct GyroProfile {
   }
 };
 
-enum class ServoKind : std::uint8_t { positional = 0, continuous = 1 };
+/// `none`: nobody commands what turns the rig, e.g. a turntable that is turned by hand. Labels are then the
+/// gyro's.
+enum class ServoKind : std::uint8_t { positional = 0, continuous = 1, none = 2 };
 
 struct ServoProfile {
   // Within any minute a quartz stays so close to its mean rate, a room's changes of temperature included; the
@@ -128,6 +130,8 @@ struct ServoProfile {
   double scale = 1.0;            // shaft angle per commanded angle
   double scale_uncertainty = 0.015;
   std::string scale_measured_utc;  // empty: an assumption
+
+  bool is_there() const { return kind != ServoKind::none; }
 };
 
 /// One rig: what is connected, and how. Each member has a line in
@@ -139,6 +143,8 @@ struct RigProfile {
   GyroProfile gyro;
   ServoProfile servo;
 
+  /// Whether the rig has one: camera and gyro always, a servo by its kind.
+  bool has(Device device) const { return device != Device::servo || servo.is_there(); }
   PortProfile& link(Device device);
   const PortProfile& link(Device device) const;
 };

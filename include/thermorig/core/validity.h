@@ -30,9 +30,10 @@ enum class Reason : std::uint8_t {
   gyro_disagrees = 14,       // V3: gyro and servo model differ by more than 3 sigma
   telemetry_disagrees = 15,  // V8: a telemetry deadline was missed or the pulse does not follow the command
   out_of_range = 16,         // a pixel outside -60..400 degC or not a number
+  no_bias = 17,  // the label would be the gyro's, and no rest tells the gyro's bias: there is no label
 };
 
-inline constexpr std::size_t reason_count = 17;
+inline constexpr std::size_t reason_count = 18;
 
 constexpr std::uint32_t bit(Reason reason) {
   return 1U << static_cast<unsigned>(reason);
@@ -40,9 +41,9 @@ constexpr std::uint32_t bit(Reason reason) {
 
 /// Names in the order of the bit numbers, as in the file's `flag_meanings`.
 inline constexpr std::array<std::string_view, reason_count> reason_names{
-    "camera_gap", "camera_not_fresh", "checksum",       "servo_ramp",          "servo_lost",  "gyro_gap",
-    "sync_lost",  "warm_up",          "operator",       "limit_hit",           "reversal",    "outside_leg",
-    "leg_change", "gyro_unsteady",    "gyro_disagrees", "telemetry_disagrees", "out_of_range"};
+    "camera_gap", "camera_not_fresh", "checksum",       "servo_ramp",          "servo_lost",   "gyro_gap",
+    "sync_lost",  "warm_up",          "operator",       "limit_hit",           "reversal",     "outside_leg",
+    "leg_change", "gyro_unsteady",    "gyro_disagrees", "telemetry_disagrees", "out_of_range", "no_bias"};
 
 /// Reasons that do not clear `valid`.
 inline constexpr std::uint32_t warning_bits =

@@ -37,15 +37,18 @@ struct Acquisition {
                      // the file, whose name and creation time do not matter to a model
   std::vector<float> temp_c;                   // (N, 24, 32); empty where `stored` has them
   std::shared_ptr<const StoredFrames> stored;  // null: the pixels are in memory
-  Label label = Label::commanded;              // what label_dps is
-  std::string label_hash;        // the same as `hash`, but of label_dps as it is; empty: commanded
-  std::vector<float> label_dps;  // (N) speed over the exposure that is learnt, NaN if unknown
-  std::vector<float> shaft_dps;  // (N) speed of the shaft by the servo model; not in the hash
+  bool is_labelled_by_gyro =
+      false;                       // of a rig without a servo: label_dps is the gyro's, whatever `label` says
+  Label label = Label::commanded;  // what label_dps is
+  std::string label_hash;          // the same as `hash`, but of label_dps as it is; empty: commanded
+  std::vector<float> label_dps;    // (N) speed over the exposure that is learnt, NaN if unknown
+  std::vector<float> shaft_dps;    // (N) speed of the shaft by the servo model; not in the hash
   std::vector<float>
       gyro_dps;  // (N) mean of the gyro over the exposure, bias not removed, NaN if there is none
   std::vector<HostTime> time;       // (N) middle of the newest exposure
   std::vector<std::uint32_t> run;   // (N) unbroken run of valid frames within one leg, from 1; 0: not valid
-  std::vector<float> leg_rate_dps;  // (N) commanded speed of the leg that the frame lies in; 0 outside legs
+  std::vector<float> leg_rate_dps;  // (N) commanded speed of the leg that the frame lies in; 0 outside legs;
+                                    // NaN without a servo
   std::vector<RateSeries> rates;    // of all estimators that need no network, those of one frame first, then
                                     // those that look at longer windows at once; not in the hash
   std::vector<float> bound_dps;  // (N) Cramer-Rao bound of the rate of a window of bound_frames frames that

@@ -26,4 +26,13 @@ struct HandTurn {
 std::optional<HandTurn> turned_by_hand(std::span<const std::uint8_t> bytes, const TextFormat& format,
                                        double heard_s);
 
+/// A unit in which gyros send rates.
+struct GyroUnit {
+  double scale_dps;  // degrees per second of one
+  const char* name;  // "rad/s"
+};
+
+/// The usual unit that is near to a measured one: within a third. Nothing: it is none of them.
+std::optional<GyroUnit> usual_gyro_unit(double scale_dps);
+
 }  // namespace thermorig::sensors

@@ -169,7 +169,8 @@ std::map<std::uint16_t, float> leg_rates(const std::vector<LegRecord>& legs) {
 
 void append(Acquisition& acquisition, const LabelledSample& sample, const ThermalFrame& frame) {
   acquisition.temp_c.insert(acquisition.temp_c.end(), frame.temp_c.begin(), frame.temp_c.end());
-  acquisition.label_dps.push_back(sample.rate_commanded_dps);
+  acquisition.label_dps.push_back(acquisition.is_labelled_by_gyro ? sample.rate_shaft_dps
+                                                                  : sample.rate_commanded_dps);
   acquisition.shaft_dps.push_back(sample.rate_shaft_dps);
   acquisition.gyro_dps.push_back(sample.rate_gyro_dps);
   acquisition.time.push_back(sample.time);
@@ -187,7 +188,10 @@ void append_samples(Acquisition& acquisition, const session::Session& session) {
     mend(image, bad);
     append(acquisition, sample, image);
     const auto rate = rates.find(sample.leg);
-    acquisition.leg_rate_dps.push_back(sample.leg == 0 || rate == rates.end() ? 0.0F : rate->second);
+    if (acquisition.is_labelled_by_gyro)
+      acquisition.leg_rate_dps.push_back(std::numeric_limits<float>::quiet_NaN());
+    else
+      acquisition.leg_rate_dps.push_back(sample.leg == 0 || rate == rates.end() ? 0.0F : rate->second);
   }
 }
 
@@ -205,8 +209,8 @@ float rate_of(const LabelledSample& sample, Label label) {
 
 /// The recording stays known by its commanded speeds, so that a model is recognised whatever it learnt.
 void take_label(Acquisition& acquisition, const std::vector<LabelledSample>& samples, Label label) {
-  if (label == Label::commanded) return;
   acquisition.label = label;
+  if (label == Label::commanded || acquisition.is_labelled_by_gyro) return;
   for (std::size_t i = 0; i < samples.size(); ++i) acquisition.label_dps[i] = rate_of(samples[i], label);
   network::clear_unsound_frames(acquisition);
   acquisition.label_hash = data_hash(acquisition);
@@ -223,7 +227,8 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
                           .simulated = header.simulated,
                           .frame_period_s = frame_period_of(session),
                           .view = view_of(session),
-                          .licence = header.licence.empty() ? "not stated" : header.licence};
+                          .licence = header.licence.empty() ? "not stated" : header.licence,
+                          .is_labelled_by_gyro = !header.profile.servo.is_there()};
   append_samples(acquisition, session);
   network::clear_unsound_frames(acquisition);
   acquisition.hash = data_hash(acquisition);

@@ -10,6 +10,7 @@
 #include "least_squares.h"
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/gyro_rests.h"
 #include "thermorig/pipeline/labels/intervals.h"
 #include "thermorig/pipeline/labels/running_bias.h"
 #include "thermorig/pipeline/labels/servo_response.h"
@@ -202,6 +203,26 @@ GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const Time
     errors.bias_dps = by_legs;
     errors.bias_from_legs = true;
   }
+  return errors;
+}
+
+GyroErrors fit_gyro_errors_without_servo(std::span<const TimedGyro> gyro, std::span<const TimedFrame> frames,
+                                         const GyroProfile& profile) {
+  GyroErrors errors = assumed_gyro_errors(profile);
+  errors.bias_dps.reset();
+  const std::vector<Interval> rests = rests_by_gyro(gyro);
+  if (rests.empty()) return errors;
+  const HostTime origin = gyro.front().stamp.time;
+  const auto at = [&](double time_s) { return origin + from_s(time_s); };
+  if (!are_images_still(frames, at(rests.front().begin_s), at(rests.front().end_s))) return errors;
+  errors.zeroes_itself = zeroes_itself(gyro, rests, origin);
+  std::vector<Block> blocks = blocks_of(gyro, rests, origin);
+  keep_quiet(blocks);
+  if (blocks.empty() || errors.zeroes_itself) return errors;
+  note_rests(errors, blocks, 1, rests.size());
+  for (std::size_t rest = 0; rest < rests.size() && rests.size() > 1; ++rest)
+    if (const auto bias_dps = bias_of_rests(blocks, rest, rest + 1))
+      errors.bias_course.push_back({at((rests[rest].begin_s + rests[rest].end_s) / 2.0), *bias_dps});
   return errors;
 }
 

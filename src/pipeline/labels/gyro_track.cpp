@@ -66,6 +66,8 @@ void GyroTrack::note_spread(GyroMean& mean, std::span<const Point> points) {
     const double to_next = sum_to(sums, next);
     const double smooth_dps = (to_next - sums[first]) / window;
     smoothed.add(smooth_dps);
+    mean.least_dps = std::fmin(mean.least_dps, smooth_dps);
+    mean.most_dps = std::fmax(mean.most_dps, smooth_dps);
     if (from + 3.0 * window <= count)
       fast_dps2.add(alternation_dps2(smooth_dps, mean_to(next + window, to_next),
                                      mean_to(last + window, sum_to(sums, last))));

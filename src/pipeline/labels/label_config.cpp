@@ -9,7 +9,7 @@ namespace {
 /// Of the constant between the camera's clock and the one that the servo model hangs on: a fitted response
 /// hangs on the gyro's, against which the camera's latency is measured; an assumed one on the servo's.
 double time_uncertainty_s(const RigProfile& profile, const std::optional<SyncReport>& sync) {
-  const bool by_gyro = sync && sync->servo.fitted;
+  const bool by_gyro = sync && (sync->servo.fitted || !profile.servo.is_there());
   const bool shifted = sync && sync->camera_offset.applied && sync->camera_offset.offset_s;
   if (by_gyro && shifted) return sync->camera_offset.offset_s->uncertainty;
   const double of_profile_s = latency_uncertainty_s(profile.camera);
@@ -27,6 +27,7 @@ LabelConfig label_config(const RigProfile& profile, const std::optional<SyncRepo
   config.gyro_rate_hz = profile.gyro.output_rate_hz;
   config.stop_margin_deg = profile.servo.stop_margin_deg;
   config.travel_deg = profile.servo.kind == ServoKind::positional ? profile.servo.travel_deg : 0.0;
+  config.by_gyro = !profile.servo.is_there();
   config.servo = profile.servo;
   config.gyro_profile = profile.gyro;
   config.latency_uncertainty_s = time_uncertainty_s(profile, sync);

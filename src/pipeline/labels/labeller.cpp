@@ -202,7 +202,8 @@ void Labeller::add(const TimedServo& servo) {
 }
 
 bool Labeller::has_all_until(HostTime end) const {
-  return command_.reaches(end) && shaft_.reaches(end) && gyro_.reaches(end);
+  const bool has_servo = config_.by_gyro || (command_.reaches(end) && shaft_.reaches(end));
+  return has_servo && gyro_.reaches(end);
 }
 
 std::vector<LabelledSample> Labeller::take(HostTime now) {
@@ -229,9 +230,14 @@ LabelledSample Labeller::label(const PendingFrame& frame) {
   sample.exposure_end = frame.exposure_end;
   sample.time = frame.exposure_end - (frame.exposure_end - frame.exposure_begin) / 4;
   sample.reason_bits = frame.reason_bits;
-  label_motion(sample, frame);
-  label_halves(sample, frame);
-  label_gyro(sample);
+  if (config_.by_gyro) {
+    label_halves(sample, frame);
+    label_by_gyro(sample, frame);
+  } else {
+    label_motion(sample, frame);
+    label_halves(sample, frame);
+    label_gyro(sample);
+  }
   const std::uint32_t harmless =
       config_.warm_up_invalidates ? warning_bits & ~bit(Reason::warm_up) : warning_bits;
   sample.valid = (sample.reason_bits & ~harmless) == 0;
@@ -343,12 +349,61 @@ std::uint32_t Labeller::model_reasons(const LabelledSample& sample, const ShaftR
                 shaft.plain_slow.min_dps < -sign_dps && shaft.plain_slow.max_dps > sign_dps);
 }
 
-void Labeller::label_gyro(LabelledSample& sample) {
+GyroMean Labeller::note_gyro(LabelledSample& sample) const {
   const GyroMean mean = gyro_.over(sample.exposure_begin, sample.exposure_end);
   constexpr std::size_t most = std::numeric_limits<std::uint16_t>::max();
   sample.rate_gyro_dps = static_cast<float>(mean.rate_dps);
   sample.gyro_count = static_cast<std::uint16_t>(std::min(mean.count, most));
   sample.gyro_spread_dps = static_cast<float>(mean.count > 0 ? mean.spread_dps : unknown);
+  return mean;
+}
+
+/// No command tells the speed: the gyro does, less the bias of the recording's rests. Until a rest is known,
+/// as in a live run, there is no label.
+void Labeller::label_by_gyro(LabelledSample& sample, const PendingFrame& frame) {
+  const GyroMean mean = note_gyro(sample);
+  const GyroErrors errors = config_.gyro.value_or(GyroErrors());
+  const double bias_dps = errors.bias_dps ? bias_dps_at(errors, sample.time) : unknown;
+  const auto shaft = [&](double rate_dps) {
+    return static_cast<float>((rate_dps - bias_dps) / errors.scale.value);
+  };
+  sample.rate_commanded_dps = sample.rate_corrected_dps = sample.angle_commanded_deg =
+      std::numeric_limits<float>::quiet_NaN();
+  sample.rate_shaft_dps = shaft(mean.rate_dps);
+  sample.rate_shaft_min_dps = shaft(mean.least_dps);
+  sample.rate_shaft_max_dps = shaft(mean.most_dps);
+  for (std::size_t half = 0; half < sample.rate_shaft_half_dps.size(); ++half)
+    sample.rate_shaft_half_dps[half] = shaft(static_cast<double>(sample.rate_gyro_half_dps[half]));
+  sample.rate_shaft_uncertainty_dps = std::numeric_limits<float>::quiet_NaN();
+  if (errors.bias_dps && mean.count > 0) {
+    const double time_s = std::hypot(std::hypot(frame.stamp.uncertainty_s, mean.time_uncertainty_s),
+                                     config_.latency_uncertainty_s, between_samples_s());
+    double time_dps = 0.0;
+    for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
+      const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
+      const double moved_dps = gyro_.mean_dps(sample.exposure_begin + shift, sample.exposure_end + shift);
+      time_dps = std::fmax(time_dps, std::abs(moved_dps - mean.rate_dps));
+    }
+    const double noise_dps =
+        std::isfinite(errors.noise_dps) ? errors.noise_dps / std::sqrt(static_cast<double>(mean.count)) : 0.0;
+    const double scale_dps = errors.scale.uncertainty * static_cast<double>(sample.rate_shaft_dps);
+    sample.rate_shaft_uncertainty_dps = static_cast<float>(
+        std::hypot(std::hypot(errors.bias_dps->uncertainty, noise_dps, time_dps), scale_dps) /
+        errors.scale.value);
+  }
+  const auto tolerance = static_cast<float>(config_.rate_tolerance_dps);
+  sample.reason_bits |= bit_if(Reason::no_bias, !errors.bias_dps) |
+                        bit_if(Reason::gyro_gap, has_gyro_gap(sample, mean) || mean.saturated) |
+                        bit_if(Reason::reversal, sample.rate_shaft_min_dps < -tolerance &&
+                                                     sample.rate_shaft_max_dps > tolerance);
+}
+
+double Labeller::between_samples_s() const {
+  return 1.0 / (std::sqrt(12.0) * config_.gyro_rate_hz);
+}
+
+void Labeller::label_gyro(LabelledSample& sample) {
+  const GyroMean mean = note_gyro(sample);
   if (sample.leg != 0) motion_noise_.add(mean);
   sample.reason_bits |= gyro_reasons(sample, mean);
   if ((sample.reason_bits & bit(Reason::gyro_unsteady)) != 0) widen(sample, mean);
@@ -372,16 +427,19 @@ void Labeller::widen(LabelledSample& sample, const GyroMean& gyro) const {
   widened(sample.rate_corrected_uncertainty_dps, sample.rate_corrected_dps);
 }
 
-std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMean& gyro) const {
+bool Labeller::has_gyro_gap(const LabelledSample& sample, const GyroMean& gyro) const {
   const double expected = to_s(sample.exposure_end - sample.exposure_begin) * config_.gyro_rate_hz;
   const double needed = config_.gyro_gap_share * expected;
-  const bool gap = gyro.count == 0 || static_cast<double>(gyro.count) < needed ||
-                   lacks_sample(config_.gyro_gaps, sample.exposure_begin, sample.exposure_end) ||
-                   gyro_.lacks_sample(sample.exposure_begin, sample.exposure_end, 1.0 / config_.gyro_rate_hz);
+  return gyro.count == 0 || static_cast<double>(gyro.count) < needed ||
+         lacks_sample(config_.gyro_gaps, sample.exposure_begin, sample.exposure_end) ||
+         gyro_.lacks_sample(sample.exposure_begin, sample.exposure_end, 1.0 / config_.gyro_rate_hz);
+}
+
+std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMean& gyro) const {
   const double noise_dps =
       gyro_noise_dps(bias_.errors(), response_, sample.rate_commanded_dps, motion_noise_.noise_dps());
   const bool unsteady = is_unsteady(gyro, noise_dps, tolerance_dps(sample));
-  return bit_if(Reason::gyro_gap, gap) | bit_if(Reason::gyro_unsteady, unsteady) |
+  return bit_if(Reason::gyro_gap, has_gyro_gap(sample, gyro)) | bit_if(Reason::gyro_unsteady, unsteady) |
          bit_if(Reason::gyro_disagrees,
                 gyro_disagrees(sample, gyro, noise_dps, unsteady ? gyro.spread_dps : 0.0));
 }
@@ -392,8 +450,8 @@ bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro
   if (contradicts_command(response_, sample.rate_commanded_dps)) return true;
   if (std::isnan(sample.rate_shaft_dps)) return false;
   // Whole samples stand for an exposure that begins and ends anywhere between two of them.
-  const double between_samples_s = 1.0 / (std::sqrt(12.0) * config_.gyro_rate_hz);
-  const double time_s = std::hypot(response_.delay_uncertainty_s, gyro.time_uncertainty_s, between_samples_s);
+  const double time_s =
+      std::hypot(response_.delay_uncertainty_s, gyro.time_uncertainty_s, between_samples_s());
   const double time_dps = time_error_dps(sample, time_s);
   const auto shaft_dps = static_cast<double>(sample.rate_shaft_dps);
   const double bias_dps = bias_dps_at(bias_.errors(), sample.time);
@@ -409,7 +467,7 @@ void Labeller::learn_bias(const LabelledSample& sample, const GyroMean& gyro) {
 
 void Labeller::number_run(LabelledSample& sample) {
   if (sample.valid && (breaks_run(sample.reason_bits) || sample.leg != run_leg_)) ++run_;
-  run_leg_ = sample.valid ? sample.leg : std::uint16_t{0};
+  run_leg_ = sample.valid ? std::optional(sample.leg) : std::nullopt;
   if (sample.valid) sample.run = run_;
 }
 

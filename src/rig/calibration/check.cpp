@@ -316,11 +316,17 @@ std::string_view name_of(ConstantVerdict verdict) {
 }
 
 std::vector<CheckedConstant> check_constants(const session::Session& session) {
-  Constants constants{witnesses_of(session),   gyro_scale_of(session),     gyro_bias_of(session),
-                      gyro_filter_of(session), camera_latency_of(session), camera_rows_of(session),
-                      servo_scale_of(session)};
-  add_servo_speeds(session, constants);
-  for (const Device device : all_devices) constants.push_back(clock_of(session, device));
+  const RigProfile& profile = session.raw.header.profile;
+  Constants constants;
+  if (profile.servo.is_there()) constants.push_back(witnesses_of(session));
+  for (const auto& of : {gyro_scale_of, gyro_bias_of, gyro_filter_of, camera_latency_of, camera_rows_of})
+    constants.push_back(of(session));
+  if (profile.servo.is_there()) {
+    constants.push_back(servo_scale_of(session));
+    add_servo_speeds(session, constants);
+  }
+  for (const Device device : all_devices)
+    if (profile.has(device)) constants.push_back(clock_of(session, device));
   return constants;
 }
 

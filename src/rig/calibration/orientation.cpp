@@ -63,12 +63,9 @@ class CommandedRate {
   std::size_t next_ = 0;
 };
 
-struct Axis {
-  std::size_t index = 0;
-  double correlation = 0.0;  // signed
-};
+}  // namespace
 
-Axis turning_axis(const session::Session& session) {
+GyroAxis measure_axis(const session::Session& session) {
   std::array<Correlation, 3> axes;
   CommandedRate commanded(session.servo);
   const HostDuration delay = from_s(session.sync.servo.delay_s);
@@ -82,26 +79,29 @@ Axis turning_axis(const session::Session& session) {
   // By how much of the turning it shows: an axis across shows a percent of it, by its data sheet, and follows
   // that as well as the best one does.
   double moving_dps = 0.0, most = 0.0, next = 0.0;
-  Axis best;
+  GyroAxis best;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     moving_dps = std::max(moving_dps, axes[axis].spread_x());
     const double shown = std::abs(axes[axis].slope());
     next = std::max(next, std::min(shown, most));
     if (shown <= most) continue;
     most = shown;
-    best = {axis, axes[axis].value()};
+    const double followed = axes[axis].value();
+    best = {static_cast<int>(axis), followed < 0 ? -1 : 1, shown, std::abs(followed)};
   }
   if (moving_dps < least_moving_dps)
     refuse_orientation("the servo hardly moved",
                        "sweeps in both directions: `thermorig calibrate orientation` drives them");
-  if (std::abs(best.correlation) < least_correlation || most - next < least_lead * most)
+  if (best.correlation < least_correlation || most - next < least_lead * most)
     refuse_orientation(
         fmt::format("no axis of the gyro turns with the servo (the best follows it by {:.2f} of 1, and shows "
                     "{:.2f} of it; the next one {:.2f})",
-                    std::abs(best.correlation), most, next),
+                    best.correlation, most, next),
         "fix the gyro to the arm, with one of its axes along the servo's; is the servo's supply on?");
   return best;
 }
+
+namespace {
 
 /// The gyro as it would have been decoded with that axis and sign.
 std::vector<TimedGyro> about(const std::vector<TimedGyro>& gyro, std::size_t axis, int sign) {
@@ -113,11 +113,11 @@ std::vector<TimedGyro> about(const std::vector<TimedGyro>& gyro, std::size_t axi
 }  // namespace
 
 OrientationResult measure_orientation(const session::Session& session) {
-  const Axis axis = turning_axis(session);
+  const GyroAxis axis = measure_axis(session);
   GyroProfile profile = session.raw.header.profile.gyro;
-  profile.axis = static_cast<int>(axis.index);
-  profile.sign = axis.correlation < 0 ? -1 : 1;
-  const std::vector<TimedGyro> gyro = about(session.gyro, axis.index, profile.sign);
+  profile.axis = axis.axis;
+  profile.sign = axis.sign;
+  const std::vector<TimedGyro> gyro = about(session.gyro, static_cast<std::size_t>(axis.axis), profile.sign);
   const GyroErrors errors = labels::fit_gyro_errors(gyro, session.servo, profile);
   const CameraProfile& camera = session.raw.header.profile.camera;
   const motion::Orientation image =
@@ -128,7 +128,7 @@ OrientationResult measure_orientation(const session::Session& session) {
         "point the camera at something with warm and cold edges, and see that the lens is free");
   return {.gyro_axis = profile.axis,
           .gyro_sign = profile.sign,
-          .correlation = std::abs(axis.correlation),
+          .correlation = axis.correlation,
           .mirrored = *image.mirrored,
           .contrast = image.contrast};
 }

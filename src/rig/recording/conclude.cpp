@@ -67,6 +67,26 @@ void say_what_interrupted(RecordingResult& result, const RecordingOutcome& outco
     result.message += "; " + text;
 }
 
+/// What a recording without a servo should have shown, ready to print.
+std::vector<std::string> lacking_by_hand(const session::Session& session) {
+  constexpr double least_turn_deg = 360.0;
+  std::vector<std::string> lacking;
+  if (!session.sync.gyro.bias_dps) return {"a rest of 10 s at the beginning: without it there are no labels"};
+  if (session.sync.gyro.bias_course.empty()) lacking.emplace_back("a rest of 5 s at the end");
+  double forward_deg = 0.0, backward_deg = 0.0;
+  for (const LabelledSample& sample : session.samples) {
+    const double turned_deg = static_cast<double>(sample.rate_shaft_dps) * session.frame_period_s;
+    if (turned_deg > 0.0) forward_deg += turned_deg;
+    if (turned_deg < 0.0) backward_deg -= turned_deg;
+  }
+  if (std::max(forward_deg, backward_deg) < least_turn_deg)
+    lacking.emplace_back("a whole turn and a bit more, which tells the gyro's scale");
+  if (std::min(forward_deg, backward_deg) < least_turn_deg / 4.0)
+    lacking.emplace_back(forward_deg > backward_deg ? "turns the other way, of negative rates"
+                                                    : "turns the other way, of positive rates");
+  return lacking;
+}
+
 std::string losses_of(const session::Quality& quality) {
   std::string text;
   for (const Device device : all_devices) {
@@ -159,6 +179,7 @@ RecordingResult conclude(Recording& recording, HostTime now) {
   result.duration_s = to_s(now - session.raw.header.time_reference);
   conclude_with(result, recording.outcome(now));
   say_what_was_not_read_back(result, made, file.journal);
+  if (!session.raw.header.profile.servo.is_there()) result.lacking = lacking_by_hand(session);
   return result;
 }
 

@@ -39,6 +39,11 @@ class DevicePresence {
   void do_without();
   /// It went when nothing was asked of it any more: its port is not looked for.
   void forgo();
+  /// The rig has none: nobody misses it.
+  void never_was_there() {
+    state_ = State::done_without;
+    has_port_ = false;
+  }
   void lose_port();
   void open_port(HostTime now);
   /// What it sends while it is awaited.

@@ -150,6 +150,7 @@ PortSession::PortSession(const PortOptions& options, PortLoop& loop)
 
 void PortSession::open_ports() {
   for (const Device device : all_devices) {
+    if (!options_.recording.profile.has(device)) continue;
     const bool needed = device == Device::servo || options_.recording.needed[device];
     if (!needed && options_.recording.profile.link(device).port.empty()) {
       missing_.emplace_back(
@@ -228,9 +229,10 @@ void PortSession::tick(HostTime now) {
 
 void PortSession::signalled() {
   if (++signals_ == 1) {
-    notice(options_.recording.keep
-               ? "stopping the servo, then closing the file (Ctrl-C again leaves it for `thermorig recover`)"
-               : "stopping the servo");
+    const std::string first = options_.recording.profile.servo.is_there() ? "stopping the servo, then " : "";
+    notice(!options_.recording.keep
+               ? "stopping"
+               : first + "closing the file (Ctrl-C again leaves it for `thermorig recover`)");
     recording_->request_stop(loop_.now());
   }
 }
@@ -242,7 +244,8 @@ void PortSession::run_loop() {
     loop_.run();
   } catch (...) {  // e.g. the disk is full: the servo must not run on until its watchdog notices
     io::send_emergency_bytes();  // at once: there may be no memory left for more
-    loop_.write(*ports_[Device::servo], sensors::servo_protocol().emergency_bytes());
+    if (ports_[Device::servo])
+      loop_.write(*ports_[Device::servo], sensors::servo_protocol().emergency_bytes());
     bool is_over = false;
     loop_.every(emergency_wait, [&](HostTime) {
       is_over = true;

@@ -15,7 +15,7 @@ namespace thermorig::rig {
 Recording::Recording(const RecordingOptions& options, HostTime now, Send send)
     : parts_(std::make_unique<Parts>(options, now, std::move(send))) {
   if (options.begun) options.begun(parts_->header);
-  parts_->commander.greet();
+  if (parts_->has_servo()) parts_->commander.greet();
 }
 
 Recording::~Recording() = default;
@@ -120,6 +120,7 @@ void Recording::tick(HostTime now) {
 void Recording::Parts::drive(HostTime now) {
   if (presence[Device::servo].is_awaited()) return greet_again(now);
   sweep.tick(now);
+  if (!has_servo()) return;
   try {
     write_to(Device::servo, commander.poll(now), now);
   } catch (const Error& error) {
@@ -154,13 +155,14 @@ void Recording::Parts::write_to(Device device, const std::vector<std::uint8_t>& 
 
 void Recording::Parts::begin_when_ready(HostTime now) {
   if (start.has_begun() || end.is_coming() || awaits_any()) return;
-  if (commander.greeted() && start.greeted())
+  if (has_servo() && commander.greeted() && start.greeted())
     event({now, EventKind::info, Device::servo,
            fmt::format("firmware {} answered hello", commander.welcome()->firmware)});
   const bool all_speak = std::all_of(all_devices.begin(), all_devices.end(), [&](Device device) {
     return devices.has_spoken(device) || presence[device].is_done_without();
   });
-  if (!all_speak || !commander.greeted() || !commander.idle()) return;
+  const bool can_be_driven = !has_servo() || (commander.greeted() && commander.idle());
+  if (!all_speak || !can_be_driven) return;
   start.ready(now, counts());
   if (!start.is_due(now, counts())) return;
   if (const auto report = start.judged()) {
@@ -230,6 +232,8 @@ void Recording::request_stop(HostTime now, const std::string& who) {
   parts.end.stopped_by = who;
   parts.event({now, EventKind::stopped, std::nullopt,
                who.empty() ? "stopped on request" : "stopped on request of " + who});
+  if (parts.options.plan.ends_by_stop())
+    parts.event({now, EventKind::finished, std::nullopt, "it was to last until it was stopped"});
   const DevicePresence& servo = parts.presence[Device::servo];
   if (servo.is_awaited()) {
     // It may be there and not have answered yet: the byte alone can be sent.
@@ -305,6 +309,7 @@ RecordingProgress Recording::progress(HostTime now) {
   for (const Device device : all_devices) {
     progress.health[device] = parts.devices.health(device, now, parts.pipeline.counters(device));
     progress.awaited[device] = parts.presence[device].awaited(now);
+    progress.absent[device] = !parts.options.profile.has(device);
   }
   progress.events = std::exchange(parts.new_events, {});
   progress.last_sample = parts.last_sample;

@@ -148,7 +148,7 @@ std::vector<Device> Recording::lost_ports() const {
   std::vector<Device> lost;
   if (parts_->end.is_coming() || parts_->options.replug_patience_s <= 0.0) return lost;
   for (const Device device : all_devices)
-    if (!parts_->presence[device].has_port()) lost.push_back(device);
+    if (parts_->options.profile.has(device) && !parts_->presence[device].has_port()) lost.push_back(device);
   return lost;
 }
 

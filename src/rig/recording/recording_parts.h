@@ -45,7 +45,11 @@ struct Recording::Parts {
         devices(options.profile, options.start_patience_s, now),
         presence{{presence_of(Device::camera), presence_of(Device::gyro), presence_of(Device::servo)}},
         start(options),
-        witnesses(options.profile) {}
+        witnesses(options.profile) {
+    if (!has_servo()) presence[Device::servo].never_was_there();
+  }
+
+  bool has_servo() const { return options.profile.servo.is_there(); }
 
   DevicePresence presence_of(Device device) const {
     return {device, options.profile, options.replug_patience_s};

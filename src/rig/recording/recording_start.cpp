@@ -77,7 +77,7 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
 RecordingStart::RecordingStart(const RecordingOptions& options)
     : profile_(options.profile),
       mode_(options.preflight),
-      moves_(!options.plan.leg_rates_dps.empty()),
+      moves_(!options.plan.leg_rates_dps.empty() || !options.profile.servo.is_there()),
       is_allowed_(!options.wait_for_start) {}
 
 bool RecordingStart::allow() {

@@ -126,6 +126,14 @@ SweepPlan check_plan_of(const ServoProfile& servo, const CameraProfile& camera) 
 
 }  // namespace
 
+SweepPlan reversals_plan(const std::string& name, std::span<const double> shares, double fastest_dps,
+                         int frames_per_leg, const ServoProfile& servo, const CameraProfile& camera) {
+  SweepPlan plan = moving_plan(name, frames_per_leg);
+  add_reversals(2 * static_cast<int>(shares.size()),
+                speed_within_stroke(fastest_dps, frames_per_leg, servo, camera), shares, plan);
+  return plan;
+}
+
 SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, const CameraProfile& camera) {
   switch (kind) {
     case CalibrationKind::latency:

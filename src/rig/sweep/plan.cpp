@@ -239,6 +239,15 @@ SweepPlan load_plan(const std::string& name_or_file, const std::string& environm
   return parse_plan(read_text_file(name_or_file, "sweep plan"), name_or_file, seed, overrides);
 }
 
+SweepPlan by_hand_plan(std::optional<double> seconds) {
+  SweepPlan plan;
+  plan.name = "by-hand";
+  plan.valid_per_leg = 0;
+  plan.opening_rest_s = seconds.value_or(longest_by_hand_s);
+  plan.closing_rest_s = 0.0;
+  return plan;
+}
+
 std::string to_toml(const SweepPlan& plan) {
   return fmt::format(
       "name = {}\nframes_per_leg = {}\nvalid_per_leg = {}\n{}opening_rest_s = {}\nclosing_rest_s = {}\n"

@@ -8,13 +8,16 @@ namespace thermorig::rig {
 
 std::string name_of(SweepPhase phase) {
   constexpr const char* names[] = {
-      "waiting",      "greeting", "opening rest", "transit", "leg", "recovering", "waiting for a device",
-      "closing rest", "halting",  "stopping",     "done"};
+      "waiting",      "greeting", "opening rest", "transit", "leg",    "recovering", "waiting for a device",
+      "closing rest", "halting",  "stopping",     "done",    "by hand"};
   return names[static_cast<std::size_t>(phase)];
 }
 
 double SweepWalker::remaining_s(HostTime now) const {
   if (has_ended()) return 0.0;
+  if (!servo_.is_there())
+    return std::max(0.0, plan_.opening_rest_s - by_hand_s_ -
+                             (phase_ == SweepPhase::by_hand ? to_s(now - phase_begin_) : 0.0));
   SweepPlan left = steps_.plan_left();
   double passed_s = 0.0;
   const double phase_s = to_s(now - phase_begin_);

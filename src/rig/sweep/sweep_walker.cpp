@@ -76,6 +76,7 @@ void SweepWalker::enter(SweepPhase phase, HostTime now) {
 }
 
 void SweepWalker::start(HostTime now) {
+  if (!servo_.is_there()) return enter(SweepPhase::by_hand, now);
   commander_.arm(telemetry_.arm_angle_deg(servo_));
   enter(SweepPhase::greeting, now);
 }
@@ -106,6 +107,10 @@ void SweepWalker::tick(HostTime now) {
       return enter(SweepPhase::done, now);
     case SweepPhase::stopping:
       return tick_stopping(now);
+    case SweepPhase::by_hand:
+      if (by_hand_s_ + to_s(passed) < plan_.opening_rest_s) return;
+      news_.is_complete = true;
+      return enter(SweepPhase::done, now);
     case SweepPhase::waiting:
     case SweepPhase::awaiting:
     case SweepPhase::done:
@@ -276,6 +281,7 @@ void SweepWalker::tick_closing_rest(HostTime now) {
 void SweepWalker::request_stop(HostTime now) {
   if (has_ended()) return;
   if (phase_ == SweepPhase::leg) write_down(leg_, now);
+  if (!servo_.is_there()) return enter(SweepPhase::done, now);
   enter(stop_.request() ? SweepPhase::stopping : SweepPhase::done, now);
 }
 
@@ -313,6 +319,10 @@ void SweepWalker::trouble(HostTime now, const std::string& what, ServoFault faul
 }
 
 void SweepWalker::suspend(HostTime now, const Error& why) {
+  if (phase_ == SweepPhase::by_hand) {
+    by_hand_s_ += to_s(now - phase_begin_);
+    return enter(SweepPhase::awaiting, now);
+  }
   if (!drives(phase_) && phase_ != SweepPhase::greeting && phase_ != SweepPhase::recovering) return;
   if (phase_ == SweepPhase::halting) return;  // nothing more is asked of any device but the servo
   write_down_cut_leg(now);
@@ -336,6 +346,7 @@ void SweepWalker::repeat_cut_leg(HostTime now) {
 
 void SweepWalker::go_on(HostTime now) {
   if (phase_ != SweepPhase::awaiting) return;
+  if (!servo_.is_there()) return enter(SweepPhase::by_hand, now);
   recovery_.device_is_back(telemetry_.fault() != ServoFault::none);
   enter(SweepPhase::recovering, now);
 }

@@ -69,6 +69,7 @@ Problem problem_of_all(const RigProfile& profile) {
     return ProfileProblem{"gyro", "sketch", "a sketch is named, but the protocol is " + profile.gyro.protocol,
                           "protocol = \"text\", or no sketch"};
   const ServoProfile& servo = profile.servo;
+  if (!servo.is_there()) return std::nullopt;
   if (servo.pulse_min_us >= servo.pulse_max_us)
     return ProfileProblem{"servo", "pulse_min_us", "pulse_min_us is not below pulse_max_us",
                           "e.g. 500 and 2500"};

@@ -212,7 +212,8 @@ void add_servo(Fields& fields) {
   add_link(fields, "servo", Device::servo);
   Table<Servo> table(fields, "servo", &RigProfile::servo);
   table.text("model", &Servo::model, "free text");
-  table.choice("kind", &Servo::kind, {"positional", "continuous"}, "positional or continuous");
+  table.choice("kind", &Servo::kind, {"positional", "continuous", "none"},
+               "positional, continuous or none: nobody commands what turns the rig");
   table.number("travel_deg", &Servo::travel_deg, "deg", 0, span_max,
                "positional: angle from shortest to longest pulse; continuous: what its cable bears, 0: any");
   table.number("full_rate_dps", &Servo::full_rate_dps, "deg/s", 0, span_max / 2,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "thermorig/core/validity.h"
 #include "thermorig/storage/recording_header/header_json.h"
@@ -24,10 +25,10 @@ bool is_excluded(const Session& session, const LabelledSample& sample) {
 /// As the labels number them: one ends with its leg, at an invalid frame and at a gap.
 void number_runs(std::vector<LabelledSample>& samples) {
   std::uint32_t run = 0;
-  std::uint16_t leg = 0;  // of the run that goes on; 0: none does
+  std::optional<std::uint16_t> leg;  // of the run that goes on; none: none does
   for (LabelledSample& sample : samples) {
     if (sample.valid && (breaks_run(sample.reason_bits) || sample.leg != leg)) ++run;
-    leg = sample.valid ? sample.leg : std::uint16_t{0};
+    leg = sample.valid ? std::optional(sample.leg) : std::nullopt;
     sample.run = sample.valid ? run : 0;
   }
 }

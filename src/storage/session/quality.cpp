@@ -141,10 +141,11 @@ bool has_no_other_reason(const LabelledSample& sample) {
 }
 
 void count_samples(const Session& session, Quality& quality) {
+  const bool has_legs = session.raw.header.profile.servo.is_there();  // else all frames count as swept
   quality.frames = session.samples.size();
   for (const auto& sample : session.samples) {
     quality.valid += sample.valid ? 1 : 0;
-    if (sample.leg == 0) continue;
+    if (has_legs && sample.leg == 0) continue;
     ++quality.swept;
     const bool disagrees = (sample.reason_bits & bit(Reason::gyro_disagrees)) != 0;
     const bool sound = sample.valid || (disagrees && has_no_other_reason(sample));

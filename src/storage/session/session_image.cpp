@@ -149,10 +149,15 @@ void write_clock_attributes(hid_t group, const ClockReport& clock) {
 void write_samples_attributes(hid_t group, const Session& session) {
   plot_as(group, "rate_shaft", {"time"}, {"rate_gyro"});
   set_attribute(group, "label_version", "3");
-  set_attribute(group, "label_rule",
-                "rate_commanded: mean speed of the servo's pulses over the exposure of both halves of the "
-                "frame; rate_corrected: the same, corrected by what the session measured of the servo; "
-                "rate_shaft: mean speed of the shaft by the servo model over the same exposure");
+  const bool has_servo = session.raw.header.profile.servo.is_there();
+  set_attribute(group, "label_source", has_servo ? "command" : "gyro");
+  set_attribute(
+      group, "label_rule",
+      !has_servo ? "rate_shaft: mean rate of the gyro over the exposure of both halves of the "
+                   "frame, less its bias, over its scale; nothing was commanded"
+                 : "rate_commanded: mean speed of the servo's pulses over the exposure of both halves of the "
+                   "frame; rate_corrected: the same, corrected by what the session measured of the servo; "
+                   "rate_shaft: mean speed of the shaft by the servo model over the same exposure");
   set_attribute(group, "settle_s", session.settle_s);
 }
 

@@ -80,10 +80,26 @@ std::string none_valid_text(const Quality& quality) {
   return by_hand ? "no frame is valid: all were excluded (annotate --exclude)" : "no frame is valid";
 }
 
-void judge_samples(const Quality& quality, Verdict& verdict) {
+/// Of a rig without a servo.
+void judge_rests(const Session& session, Verdict& verdict) {
+  const GyroErrors& gyro = session.sync.gyro;
+  if (!gyro.bias_dps)
+    verdict.bad(gyro.zeroes_itself
+                    ? "the gyro zeroes itself at rest and so hides its bias: labels from it are refused; "
+                      "switch that off in the device"
+                    : "no rest at the beginning tells the gyro's bias: labels from it are refused; record "
+                      "again, and leave the rig alone for the first 10 s");
+  else if (gyro.bias_course.empty())
+    verdict.usable_or_remark(false, "no rest at the end tells how the gyro's bias drifted");
+}
+
+void judge_samples(const Session& session, const Quality& quality, Verdict& verdict) {
+  const bool has_servo = session.raw.header.profile.servo.is_there();
+  if (!has_servo) judge_rests(session, verdict);
   if (quality.valid == 0) return verdict.bad(none_valid_text(quality));
   if (static_cast<double>(quality.valid) < valid_share_usable * static_cast<double>(quality.swept))
-    verdict.usable(fmt::format("only {} of {} frames within legs are valid", quality.valid, quality.swept));
+    verdict.usable(fmt::format("only {} of {} frames{} are valid", quality.valid, quality.swept,
+                               has_servo ? " within legs" : ""));
   const auto empty = std::count_if(quality.speeds.begin(), quality.speeds.end(),
                                    [](const auto& speed) { return speed.valid == 0; });
   const std::size_t speeds = quality.speeds.size();
@@ -184,7 +200,8 @@ void judge_gyro(const Session& session, const Quality& quality, Verdict& verdict
         "the gyro's rate falls by {:.0f} % a second while the shaft turns at one speed: its filter "
         "takes a steady turn for a bias; switch the device to raw rates (6 axes, no fusion)",
         100.0 * decay));
-  if (session.sync.gyro.zeroes_itself) judge_zeroes(session.sync.gyro, verdict);
+  if (session.sync.gyro.zeroes_itself && session.raw.header.profile.servo.is_there())
+    judge_zeroes(session.sync.gyro, verdict);
   if (quality.sound == 0 || contradict_throughout(session.sync.witnesses)) return;
   const double share = static_cast<double>(quality.disagreeing) / static_cast<double>(quality.sound);
   if (share > disagreeing_share_usable)
@@ -302,9 +319,10 @@ bool is_for_calibration(const RecordingHeader& header) {
 
 void judge(const Session& session, Quality& quality) {
   Verdict verdict;
-  for (const Device device : all_devices) judge_stream(device, quality.stream[device], verdict);
+  for (const Device device : all_devices)
+    if (session.raw.header.profile.has(device)) judge_stream(device, quality.stream[device], verdict);
   judge_witnesses(session, verdict);
-  if (!is_rest(session)) judge_samples(quality, verdict);
+  if (!is_rest(session)) judge_samples(session, quality, verdict);
   judge_clocks(session, quality, verdict);
   judge_links(session, verdict);
   judge_epochs(session, verdict);

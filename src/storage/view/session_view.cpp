@@ -209,7 +209,7 @@ json counts_json(const Session& session) {
   std::uint64_t valid = 0, swept = 0;
   for (const LabelledSample& sample : session.samples) {
     valid += sample.valid ? 1 : 0;
-    swept += sample.leg != 0 ? 1 : 0;
+    swept += sample.leg != 0 || !session.raw.header.profile.servo.is_there() ? 1 : 0;
   }
   return {{"frames", session.samples.size()}, {"frames_swept", swept}, {"frames_valid", valid}};
 }

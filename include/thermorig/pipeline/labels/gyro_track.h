@@ -17,7 +17,9 @@ struct GyroMean {
   std::size_t count = 0;
   double deviation_dps = 0.0;  // standard deviation of the samples
   double spread_dps = 0.0;     // the same after a running mean over one servo pulse period, 20 ms
-  double averaged = 1.0;       // samples that the running mean takes together
+  double least_dps = std::numeric_limits<double>::quiet_NaN();  // of that running mean; NaN: too few samples
+  double most_dps = std::numeric_limits<double>::quiet_NaN();
+  double averaged = 1.0;  // samples that the running mean takes together
   // Noise of a sample by what is too fast for the shaft; NaN: too few samples.
   double fast_dps = std::numeric_limits<double>::quiet_NaN();
   bool saturated = false;  // a sample at an end of the sensor's range: the mean says little

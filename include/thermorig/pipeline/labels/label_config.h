@@ -21,6 +21,7 @@ struct LabelConfig {
   double stop_margin_deg = 2.0;
   double travel_deg = 2160.0;  // 0 for a continuous servo: no stops
 
+  bool by_gyro = false;            // no servo is there: the label is the gyro's
   ServoProfile servo;              // what a pulse width commands
   ServoResponse response;          // where it is fitted; else assumed_response(servo) stands in
   std::optional<GyroErrors> gyro;  // fitted; none: those of the profile, and bias from the rests so far

@@ -81,6 +81,14 @@ namespace thermorig::labels {
 ///                        deviations (see label_terms.h), gyro_spread of an unsteady one among them; not
 ///                        judged where a sample is saturated; or the shaft was seen not to reach the
 ///                        commanded speed (ServoResponse::AtSpeed)
+/// Without a servo (LabelConfig::by_gyro) there is one witness. rate_shaft is the gyro's mean over E, less
+/// its bias at `time`, over its scale; rate_shaft_min and _max of its running mean over 20 ms; of commanded
+/// speeds nothing is known. rate_shaft_uncertainty holds bias, scale, noise and time. Of the reasons only
+/// those of the frame itself are there, and
+///   no_bias              no rest tells the bias; nothing has a label then
+///   gyro_gap             as above, or a sample is saturated
+///   reversal             the running mean leaves rate_tolerance_dps both ways
+///
 /// A frame is valid if it has no reason outside `warning_bits`. A run is unbroken by invalid frames and lies
 /// in one leg; a frame or a half lost on the way ends it.
 class Labeller {
@@ -122,6 +130,8 @@ class Labeller {
   LabelledSample label(const PendingFrame& frame);
   void label_motion(LabelledSample& sample, const PendingFrame& frame);
   void label_halves(LabelledSample& sample, const PendingFrame& frame);
+  GyroMean note_gyro(LabelledSample& sample) const;
+  void label_by_gyro(LabelledSample& sample, const PendingFrame& frame);
   void label_gyro(LabelledSample& sample);
   Rates rates(HostTime begin, HostTime end) const;
   double gain(HostTime begin, HostTime end) const;
@@ -129,6 +139,8 @@ class Labeller {
   double tolerance_dps(const LabelledSample& sample) const;
   std::uint32_t command_reasons(const LabelledSample& sample) const;
   std::uint32_t model_reasons(const LabelledSample& sample, const ShaftRates& shaft) const;
+  double between_samples_s() const;
+  bool has_gyro_gap(const LabelledSample& sample, const GyroMean& gyro) const;
   std::uint32_t gyro_reasons(const LabelledSample& sample, const GyroMean& gyro) const;
   bool gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps,
                       double spread_dps) const;
@@ -150,8 +162,8 @@ class Labeller {
   std::deque<PendingFrame> pending_;
   std::array<std::optional<Half>, 2> halves_;  // as labelled last
   std::uint32_t frame_count_ = 0;
-  std::uint32_t run_ = 0;      // number of the newest run
-  std::uint16_t run_leg_ = 0;  // its leg, 0 if it has ended
+  std::uint32_t run_ = 0;                 // number of the newest run
+  std::optional<std::uint16_t> run_leg_;  // its leg; none: it has ended
 };
 
 }  // namespace thermorig::labels

@@ -50,6 +50,15 @@ ScaleResult measure_scale(const session::Session& session);
 /// while the servo stood still. Takes the marks to be met to half a degree each.
 ScaleResult measure_scale_by_marks(const session::Session& session, double angle_deg);
 
+/// The axis of the gyro that turns with the servo, and how: of any session with legs both ways.
+struct GyroAxis {
+  int axis = 2;  // 0 x, 1 y, 2 z
+  int sign = 1;
+  double share = 0.0;        // of the commanded speed, as the profile reads the gyro
+  double correlation = 0.0;  // with the commands, 0..1
+};
+GyroAxis measure_axis(const session::Session& session);
+
 /// Which way is positive: the gyro's axis and sign against the commands, the image against the gyro.
 struct OrientationResult {
   int gyro_axis = 2;  // the axis that turns with the servo

@@ -87,7 +87,8 @@ struct RecordingProgress {
   PerDevice<DeviceHealth> health;
   std::vector<RecordingEvent> events;  // since the last progress
   std::optional<LabelledSample> last_sample;
-  PerDevice<bool> gone{};  // not there, and not needed
+  PerDevice<bool> gone{};    // not there, and not needed
+  PerDevice<bool> absent{};  // and the rig has none
   PerDevice<std::optional<AwaitedDevice>> awaited;
   std::uint64_t kept_bytes = 0;  // of the journal; 0 if nothing is kept
   bool stopping = false;
@@ -120,6 +121,7 @@ struct RecordingResult {
   session::State state = session::State::complete;
   session::Quality quality;
   std::vector<SpeedQuota> speeds;            // of the plan, ascending, by the labels in the session
+  std::vector<std::string> lacking;          // without a servo: what the turns should have shown, to print
   double duration_s = 0.0;                   // on the recording's clock
   std::optional<PreflightReport> preflight;  // of the rig at rest; none if it was not judged
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@
 #include "thermorig/core/profile.h"
 
 namespace thermorig::rig {
+
+/// The longest that a recording without a servo lasts, in s.
+inline constexpr double longest_by_hand_s = 86400.0;
 
 /// What an acquisition drives: a rest, legs of constant commanded speed, a rest. docs/sweep_plans.md.
 struct SweepPlan {
@@ -26,6 +30,9 @@ struct SweepPlan {
   double opening_rest_s = 10.0;
   double closing_rest_s = 10.0;
   std::uint64_t seed = 1;  // of the order of the magnitudes
+
+  /// Of by_hand_plan() without seconds.
+  bool ends_by_stop() const { return leg_rates_dps.empty() && opening_rest_s >= longest_by_hand_s; }
 };
 
 /// What the command line changes in a plan; unset members leave it as it is.
@@ -46,6 +53,10 @@ const std::vector<std::string>& built_in_plan_names();
 /// the file or the overrides say otherwise. Throws Error(bad_usage).
 SweepPlan load_plan(const std::string& name_or_file, const std::string& environment, std::uint64_t seed,
                     const PlanOverrides& overrides = {});
+
+/// The plan of a rig without a servo: no legs, so many seconds in all. None: until it is stopped, a day at
+/// most.
+SweepPlan by_hand_plan(std::optional<double> seconds);
 
 /// A plan from TOML text: `magnitudes_dps = [..]` or `min_dps`, `max_dps`, `step_dps`; `order` ("seeded",
 /// "ascending", "descending", "given"), `both_directions`, `frames_per_leg`, `valid_per_leg`,
@@ -70,6 +81,11 @@ enum class CalibrationKind : std::uint8_t { bias, latency, scale, orientation, l
 /// each where the servo has the travel; `check` less than half a minute: a rest, two speeds in both
 /// directions, and a whole turn where the servo has the travel.
 SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, const CameraProfile& camera);
+
+/// A plan for a calibration: there and back at each of `shares` of `fastest_dps`, or of what the travel lets
+/// legs of so many frames go at.
+SweepPlan reversals_plan(const std::string& name, std::span<const double> shares, double fastest_dps,
+                         int frames_per_leg, const ServoProfile& servo, const CameraProfile& camera);
 
 /// Can this rig drive the plan, and give at least one valid window of `window_frames` frames in every leg?
 /// Throws Error(bad_usage) that shows the sum: speeds beyond the servo's limits, legs or sweeps too short, a

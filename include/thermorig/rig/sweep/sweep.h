@@ -22,6 +22,7 @@ enum class SweepPhase : std::uint8_t {
   halting,   // to rest and disarmed at the end of the plan
   stopping,  // on request
   done,
+  by_hand,  // there is no servo: recorded for so long, whatever turns the rig
 };
 std::string name_of(SweepPhase phase);
 

@@ -26,7 +26,8 @@ struct SweepNews {
 
 /// Drives the servo through a plan: rest, legs (with a transit where a leg does not fit from here), rest.
 /// A leg goes on until its speed has its valid frames; one that a fault cut short, or that lacks a frame or
-/// valid ones, is driven again under a new number. Pure: fed with frames, their labels and telemetry, it puts
+/// valid ones, is driven again under a new number. Without a servo it only waits until the opening rest,
+/// which then is the whole recording, is over. Pure: fed with frames, their labels and telemetry, it puts
 /// commands into the commander's queue.
 class SweepWalker {
  public:
@@ -101,6 +102,7 @@ class SweepWalker {
   StepQuota quota_;
   SweepPhase phase_ = SweepPhase::waiting;
   HostTime phase_begin_{};
+  double by_hand_s_ = 0.0;  // that was recorded so before a device went
   Transit transit_;
   DrivenLeg leg_;  // the latest: no two have the same number
   std::optional<LeftLeg> left_leg_;

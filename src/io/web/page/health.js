@@ -2,7 +2,7 @@
 import { byId, count, fields, fixed, number, plain, say, unknown } from './text.js';
 
 const expected = ['camera', 'gyro', 'servo'];
-const words = { ok: 'ok', late: 'late', waiting: 'waiting', lost: 'lost', awaited: 'away' };
+const words = { ok: 'ok', late: 'late', waiting: 'waiting', lost: 'lost', absent: 'none', awaited: 'away' };
 
 function ageText(seconds) {
   const age = number(seconds);

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// The guided first run by the built program. Its steps: tests/rig/setup_test.cpp.
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+
+#include "program.h"
+
+namespace thermorig::tests {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SetupCommand : public ProgramTest {};
+
+TEST_F(SetupCommand, MovesNothingWhereNobodyCanAnswer) {
+  const Outcome outcome = run("setup --simulated=4 --save ./rig.toml </dev/null");
+  EXPECT_EQ(outcome.code, 2) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("--yes"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "rig.toml"));
+}
+
+TEST_F(SetupCommand, RefusesStepsThatItCannotBeginWith) {
+  EXPECT_THAT(run("setup --yes --from turn /dev/null").err, HasSubstr("turns"));
+  const Outcome missing = run("setup --yes --from turns --save ./rig.toml /dev/null");
+  EXPECT_EQ(missing.code, 2) << missing.err;
+  EXPECT_THAT(missing.err, HasSubstr("there is no such profile to go on with"));
+}
+
+/// From nothing to a session whose verdict is good, on ports and on the clock: a minute and a half.
+TEST_F(SetupCommand, GoesFromNothingToAGoodSession) {
+  if (std::getenv("THERMORIG_EVERYTHING") == nullptr) GTEST_SKIP() << "takes long: tests/nightly.sh runs it";
+  const Outcome outcome = run("setup --simulated=4 --world honest --yes --save ./rig.toml");
+  EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("verdict  good"));
+  EXPECT_THAT(outcome.out, HasSubstr("the rig is ready"));
+  EXPECT_EQ(files(".toml").size(), 1U);
+}
+
+}  // namespace
+}  // namespace thermorig::tests
