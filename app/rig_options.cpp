@@ -92,8 +92,9 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
       .add_option(
           "--simulated-camera", parts.camera,
           "Camera: half (half of the pixels are new in each frame, default), full (all are), query (as "
-          "half, sends a frame when asked), text or binary (full, as sketches send it)")
-      ->check(one_of({"half", "full", "query", "text", "binary"}))
+          "half, sends a frame when asked), text or binary (full, as sketches send it), raw (half, the "
+          "sensor's own words)")
+      ->check(one_of({"half", "full", "query", "text", "binary", "raw"}))
       ->type_name("KIND");
   command
       .add_option("--simulated-gyro", parts.gyro,

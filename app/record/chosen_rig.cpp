@@ -120,7 +120,8 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
   const bool is_sketch = camera == "text" || camera == "binary";  // which merges both halves
   config.half_fresh = camera != "full" && !is_sketch;
   if (is_sketch) config.profile.camera.protocol = camera;
-  if (camera == "query") config.camera_start = simulation::CameraStart::when_asked;
+  if (camera == "raw") config.profile.camera.protocol = "i2c-stick";
+  if (camera == "query" || camera == "raw") config.camera_start = simulation::CameraStart::when_asked;
   if (parts.gyro_protocol) sensors::choose_gyro(*parts.gyro_protocol, config.profile.gyro);
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));

@@ -33,7 +33,8 @@ constexpr int lines_every = 2;  // of those, where nothing is drawn over
 class LookedAt {
  public:
   virtual ~LookedAt() = default;
-  virtual void push(std::span<const std::uint8_t> bytes, HostTime arrived) = 0;
+  /// How many messages these bytes complete.
+  virtual std::size_t push(std::span<const std::uint8_t> bytes, HostTime arrived) = 0;
   /// One line for a person, of what came within `span_s` since the last call of next().
   virtual std::string line(double span_s) const = 0;
   virtual nlohmann::json json(double span_s) const = 0;
@@ -52,10 +53,12 @@ class LookedAtCamera : public LookedAt {
   explicit LookedAtCamera(const CameraProfile& profile)
       : mirrored_(profile.mirrored), scanner_(sensors::camera_scanner(profile)) {}
 
-  void push(std::span<const std::uint8_t> bytes, HostTime) override {
+  std::size_t push(std::span<const std::uint8_t> bytes, HostTime) override {
     scanner_.push(bytes, messages_);
     for (const wire::CameraMessage& message : messages_) last_ = message;
-    count_ += std::exchange(messages_, {}).size();
+    const std::size_t came = std::exchange(messages_, {}).size();
+    count_ += came;
+    return came;
   }
   std::string line(double span_s) const override {
     if (!last_) return "no frame yet";
@@ -99,9 +102,9 @@ class LookedAtGyro : public LookedAt {
   LookedAtGyro(const GyroProfile& profile, bool has_unit)
       : has_unit_(has_unit), scanner_(sensors::gyro_scanner(profile)) {}
 
-  void push(std::span<const std::uint8_t> bytes, HostTime arrived) override {
+  std::size_t push(std::span<const std::uint8_t> bytes, HostTime arrived) override {
     scanner_.push(bytes, messages_);
-    if (messages_.empty()) return;
+    if (messages_.empty()) return 0;
     std::array<double, 3> sums{};
     for (const wire::GyroMessage& message : messages_)
       for (std::size_t axis = 0; axis < 3; ++axis) sums[axis] += double{message.reading.rate_dps[axis]};
@@ -112,7 +115,7 @@ class LookedAtGyro : public LookedAt {
     }
     count_ += messages_.size();
     last_ = arrived;
-    messages_.clear();
+    return std::exchange(messages_, {}).size();
   }
   std::string line(double span_s) const override {
     if (count_ == 0) return "no sample";
@@ -153,14 +156,14 @@ class LookedAtServo : public LookedAt {
  public:
   LookedAtServo() : scanner_(sensors::servo_protocol().scanner()) {}
 
-  void push(std::span<const std::uint8_t> bytes, HostTime) override {
+  std::size_t push(std::span<const std::uint8_t> bytes, HostTime) override {
     scanner_.push(bytes, messages_);
     for (const wire::ServoMessage& message : messages_) {
       if (const auto* welcome = std::get_if<wire::ServoWelcome>(&message.body)) firmware_ = welcome->firmware;
       if (const auto* state = std::get_if<ServoState>(&message.body)) state_ = *state;
       count_ += std::holds_alternative<ServoState>(message.body) ? 1U : 0U;
     }
-    messages_.clear();
+    return std::exchange(messages_, {}).size();
   }
   std::string line(double span_s) const override {
     std::string text = firmware_.empty() ? "no answer to hello yet" : "firmware " + firmware_;
@@ -244,17 +247,19 @@ class Look {
 
   ExitCode run() {
     rig::SystemPortLoop loop;
+    const std::vector<std::uint8_t> ask_for_next = sensors::next_request(*finding_.role, profile_);
+    std::optional<rig::PortLoop::PortId> port;
     rig::PortLoop::PortHandlers handlers;
     handlers.received = [&](std::span<const std::uint8_t> bytes, HostTime arrived) {
-      device_->push(bytes, arrived);
+      const std::size_t came = device_->push(bytes, arrived);
+      for (std::size_t i = 0; i < came && !ask_for_next.empty(); ++i) loop.write(*port, ask_for_next);
     };
     handlers.lost = [&](const std::string& why) {
       lost_ = why;
       loop.stop();
     };
-    const auto port =
-        loop.open(profile_.link(*finding_.role), std::move(handlers), io::Refusal::names_holder);
-    for (const auto& command : requests()) loop.write(port, command);
+    port = loop.open(profile_.link(*finding_.role), std::move(handlers), io::Refusal::names_holder);
+    for (const auto& command : requests()) loop.write(*port, command);
     loop.on_signal([&](int) { loop.stop(); });
     const HostTime begin = loop.now();
     last_ = begin;
@@ -263,7 +268,7 @@ class Look {
       if (options_.seconds > 0.0 && to_s(now - begin) >= options_.seconds) loop.stop();
     });
     loop.run();
-    loop.close(port);
+    loop.close(*port);
     if (!lost_.empty())
       throw Error(ExitCode::device_lost, lost_, finding_.info.path,
                   "check power and cable; thermorig doctor");

@@ -64,6 +64,12 @@ Commands stream_request(Device device, const RigProfile& profile, unsigned asked
   return {};
 }
 
+std::vector<std::uint8_t> next_request(Device device, const RigProfile& profile) {
+  if (device != Device::camera) return {};
+  const CameraProtocol& camera = camera_protocol(profile.camera.protocol);
+  return camera.next == nullptr ? std::vector<std::uint8_t>() : camera.next(profile.camera);
+}
+
 std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double heard_s) {
   std::vector<Recognised> found;
   const auto add = [&](std::optional<Device> role, std::string_view protocol,

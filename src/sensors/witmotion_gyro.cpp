@@ -138,7 +138,7 @@ std::size_t WitmotionScanner::skip(std::size_t bytes) {
 }
 
 constexpr std::array<UsualBaud, 6> witmotion_bauds{
-    {{115200, 0.15}, {9600, 0.11}, {230400, 0.08}, {38400, 0.08}, {460800, 0.04}, {921600, 0.04}}};
+    {{115200, 0.15}, {9600, 0.11}, {230400, 0.06}, {38400, 0.06}, {460800, 0.04}, {921600, 0.04}}};
 
 /// Packets of the gyro carry no time.
 ClockProperties witmotion_clock(const GyroProfile&) {

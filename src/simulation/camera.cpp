@@ -131,7 +131,7 @@ void Camera::send_frame(const ShaftMark& exposure_end, std::vector<SimulatedFram
   frame_.sensor_temp_c = noise_.sensor_temp_c(static_cast<double>(half_.end_ns) * 1e-9);
   const double processing_s = processing_s_ + processing_jitter_s * clock_.uniform();
   const bool repeats = config_.world.repeated_frames > 0.0 && losses_.chance(config_.world.repeated_frames);
-  if (!repeats || !sent_) sent_ = {frame_, shown_begin_[half_.parity ^ 1U], exposure_end};
+  if (!repeats || !sent_) sent_ = {frame_, shown_begin_[half_.parity ^ 1U], exposure_end, 0, half_.parity};
   sent_->ready_ns = half_.end_ns + ns(processing_s);
   out.push_back(*sent_);
 }

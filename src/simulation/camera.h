@@ -39,6 +39,7 @@ struct SimulatedFrame {
   ShaftMark exposure_begin;   // of the older half
   ShaftMark exposure_end;     // of the newest half
   std::int64_t ready_ns = 0;  // when the bridge has computed it and wants to send
+  unsigned newest_half = 0;   // chess half that was exposed last
 };
 
 /// An MLX90640 behind its bridge, turning with the shaft. Times are rig time in nanoseconds.

@@ -3,10 +3,13 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
+#include <cstdlib>
 #include <string>
 
 #include "camera.h"
 #include "encoder_table.h"
+#include "raw_mlx90640.h"
 #include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::simulation {
@@ -47,15 +50,62 @@ Heard gy_mcu90640_hear(std::span<const std::uint8_t> bytes, const CameraProfile&
       continue;
     const unsigned value = bytes[i + 2];
     if (bytes[i + 1] == 0x25 && value < rates_hz.size()) heard.rate_hz = rates_hz[value];
-    if (bytes[i + 1] == 0x35) heard.asks_for_one = value == 1;
+    if (bytes[i + 1] == 0x35) heard.asked = value == 1 ? 1 : 0;
     if (bytes[i + 1] == 0x35) heard.asks_for_stream = value == 2;
   }
   return heard;
 }
 
+/// Words of four digits, a comma between two.
+template <std::size_t Size>
+void put_words(std::string& text, const std::array<std::uint16_t, Size>& words) {
+  for (std::size_t i = 0; i < Size; ++i) text += fmt::format("{}{:04X}", i == 0 ? "" : ",", words[i]);
+}
+
+const RawMlx90640& sensor_of_stick() {
+  static const RawMlx90640 sensor(1);
+  return sensor;
+}
+
+std::vector<std::uint8_t> i2c_stick_bytes(const SimulatedFrame& frame, const CameraProfile&) {
+  RawMlx90640::State state;
+  state.sensor_temp_c = static_cast<double>(frame.frame.sensor_temp_c);
+  std::string text = fmt::format("raw:33:{:08}:", frame.ready_ns / 1'000'000);
+  put_words(text, sensor_of_stick().half_frame(frame.frame.temp_c, frame.newest_half, state));
+  text += "\r\n";
+  return {text.begin(), text.end()};
+}
+
+/// Line by line, as its firmware takes them; what it answers to settings is left out but for the EEPROM.
+Heard i2c_stick_hear(std::span<const std::uint8_t> bytes, const CameraProfile&) {
+  Heard heard;
+  std::string answer;
+  std::string line;
+  for (const std::uint8_t byte : bytes) {
+    const char c = static_cast<char>(byte);
+    if (line.empty() && c == '!') answer += "!:interactive mode\r\n";
+    if (c != '\n' && c != '\r' && c != '!') line += c;
+    if (c != '\n') continue;
+    if (line == "raw:33") ++heard.asked;
+    if (line.starts_with("+cs:33:RR=")) {
+      heard.rate_hz = std::ldexp(0.5, std::atoi(line.c_str() + 10));
+      answer += "+cs:33:RR=OK [mlx-register]\r\n";
+    }
+    if (line == "mr:33:2400,0340") {
+      answer += "mr:33:2400,10,01,0340,DATA,";
+      put_words(answer, sensor_of_stick().eeprom());
+      answer += "\r\n";
+    }
+    line.clear();
+  }
+  heard.answer.assign(answer.begin(), answer.end());
+  return heard;
+}
+
 constexpr std::array all_camera_encoders{CameraEncoder{"gy-mcu90640", gy_mcu90640_bytes, gy_mcu90640_hear},
                                          CameraEncoder{"text", text_bytes, nullptr},
-                                         CameraEncoder{"binary", binary_bytes, nullptr}};
+                                         CameraEncoder{"binary", binary_bytes, nullptr},
+                                         CameraEncoder{"i2c-stick", i2c_stick_bytes, i2c_stick_hear}};
 
 }  // namespace
 

@@ -10,7 +10,7 @@ namespace thermorig::simulation {
 /// What a simulated camera or gyro makes of bytes from the host.
 struct Heard {
   bool asks_for_stream = false;
-  bool asks_for_one = false;         // message, and for no stream any more
+  unsigned asked = 0;                // messages, one by one, and no stream any more
   std::optional<double> rate_hz;     // that it is to send
   std::vector<std::uint8_t> answer;  // sent at once; may be empty
 };

@@ -62,7 +62,7 @@ struct Sender {
   std::vector<SentMessage> sent;  // where truth is kept
   std::uint64_t count = 0;
   bool streams = true;  // else it waits to be asked for its messages
-  bool owes_one = false;
+  unsigned owed = 0;    // messages that it was asked for one by one
 };
 
 }  // namespace
@@ -188,8 +188,8 @@ void VirtualRig::Parts::send(Device device, Sender& sender, const Message& messa
 
 /// An answer goes out behind what the line carries by then.
 void VirtualRig::Parts::heard(Device device, Sender& sender, const Heard& heard, std::int64_t time_ns) {
-  sender.streams = (sender.streams || heard.asks_for_stream) && !heard.asks_for_one;
-  sender.owes_one = sender.owes_one || heard.asks_for_one;
+  sender.streams = (sender.streams || heard.asks_for_stream) && heard.asked == 0;
+  sender.owed += heard.asked;
   if (device == Device::camera && heard.rate_hz) camera.set_output_rate(*heard.rate_hz);
   line_bytes.clear();
   sender.line.send(heard.answer, time_ns, line_bytes);
@@ -199,9 +199,9 @@ void VirtualRig::Parts::heard(Device device, Sender& sender, const Heard& heard,
 /// A bridge whose line is still busy with the frame before leaves a frame out.
 void VirtualRig::Parts::send_frames() {
   for (const SimulatedFrame& frame : camera.follow(shaft)) {
-    const bool is_wanted = camera_sender.streams || camera_sender.owes_one;
+    const bool is_wanted = camera_sender.streams || camera_sender.owed > 0;
     if (!is_wanted || camera_sender.line.backlog_ns(frame.ready_ns) > 0) continue;
-    camera_sender.owes_one = false;
+    if (camera_sender.owed > 0) --camera_sender.owed;
     send(Device::camera, camera_sender,
          {camera_encoder.bytes(frame, config.profile.camera), frame.ready_ns, frame.exposure_begin,
           frame.exposure_end});

@@ -58,6 +58,14 @@ TEST_F(Record, TakesACameraWhoseSketchSendsItsImagesAsAnyOther) {
   EXPECT_EQ(files(".h5").size(), 2U);
 }
 
+/// It sends each half-frame only when it is asked for one.
+TEST_F(Record, TakesTheWordsOfARawCameraAndAsksForEach) {
+  const Outcome outcome = run(
+      "record --simulated=3 --fast --world honest --simulated-camera raw --environment raw " + brief_plan);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(run("inspect --check " + files(".h5").at(0).string()).code, 0);
+}
+
 TEST_F(Record, GivesEventsAsJsonLinesWithTheSummaryLast) {
   const Outcome outcome = run(fast + "--json " + brief_plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;

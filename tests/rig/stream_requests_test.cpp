@@ -47,6 +47,22 @@ TEST(StreamRequests, AskWhenThePortHasOpenedAndEachSecondWithoutAMessage) {
   EXPECT_EQ(requests.due(Device::gyro, 7, at_s(4.0)), asked(profile, 0));
 }
 
+TEST(StreamRequests, AskACameraThatSendsNoStreamForOneMoreWithEachThatCame) {
+  RigProfile profile = simulation::default_profile();
+  profile.camera.protocol = "i2c-stick";
+  StreamRequests requests(profile);
+  const sensors::Commands commands = sensors::stream_request(Device::camera, profile, 0);
+  double now_s = 0.0;
+  for (const auto& command : commands) {
+    EXPECT_EQ(requests.due(Device::camera, 0, at_s(now_s)), command);
+    now_s += to_s(sensors::command_gap);
+  }
+  const std::vector<std::uint8_t> once = sensors::next_request(Device::camera, profile);
+  EXPECT_EQ(requests.due(Device::camera, 1, at_s(now_s)), once);
+  EXPECT_THAT(requests.due(Device::camera, 1, at_s(now_s)), IsEmpty());
+  EXPECT_EQ(requests.due(Device::camera, 3, at_s(now_s)).size(), 2 * once.size());
+}
+
 TEST(StreamRequests, SayNothingToDevicesThatSendByThemselves) {
   RigProfile profile = simulation::default_profile();
   profile.gyro.protocol = "text";

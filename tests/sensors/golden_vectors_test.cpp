@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Golden vectors of protocols/vectors: text_camera.txt, binary_camera.txt, and those of the gyros.
+// Golden vectors of protocols/vectors: text_camera.txt, binary_camera.txt, i2c_stick.txt, and those of the
+// gyros.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -62,6 +63,10 @@ TEST(GoldenVectors, ImagesAsTextAreReadAsDescribed) {
 
 TEST(GoldenVectors, ImagesInBytesAreReadAsDescribed) {
   expect_images("binary_camera.txt", "binary");
+}
+
+TEST(GoldenVectors, RawHalfFramesAreReadAsDescribed) {
+  expect_images("i2c_stick.txt", "i2c-stick");
 }
 
 TEST(GoldenVectors, WitmotionStreamsAreReadAsDescribed) {

@@ -44,6 +44,9 @@ struct CameraProtocol {
   Commands (*request)(const CameraProfile& profile) = nullptr;
   /// What makes one send frames of which nothing is known yet. None: it hears nothing.
   std::vector<std::uint8_t> (*greeting)() = nullptr;
+  /// One that sends each frame only when it is asked: what asks for one more, told with each that came. None:
+  /// it sends a stream.
+  std::vector<std::uint8_t> (*next)(const CameraProfile& profile) = nullptr;
 };
 
 /// The table. The first one is what a profile has that names none.

@@ -34,6 +34,9 @@ DeviceStream device_stream(Device device, const RigProfile& profile);
 /// sends by itself.
 Commands stream_request(Device device, const RigProfile& profile, unsigned asked);
 
+/// What asks for one message more, told with each that came. Empty: it sends a stream.
+std::vector<std::uint8_t> next_request(Device device, const RigProfile& profile);
+
 /// Between two commands of a request (protocols/gy_mcu90640.md, "Commands").
 inline constexpr std::chrono::milliseconds command_gap{100};
 

@@ -17,10 +17,11 @@ constexpr double patience_periods = 3.0;  // of a device that sends more seldom
 std::vector<std::uint8_t> StreamRequests::due(Device device, std::uint64_t messages, HostTime now) {
   Stream& stream = streams_[device];
   if (!stream.commands.empty()) return next_command(stream, now);
-  if (std::exchange(stream.messages, messages) != messages && stream.since) {
+  const std::uint64_t before = std::exchange(stream.messages, messages);
+  if (before != messages && stream.since) {
     stream.since = now;
     stream.asked = 0;
-    return {};
+    return asks_for(device, messages - before);
   }
   const double period_s = 1.0 / sensors::device_stream(device, profile_).rate_hz;
   const HostDuration patience = std::max(request_patience, from_s(patience_periods * period_s));
@@ -29,6 +30,14 @@ std::vector<std::uint8_t> StreamRequests::due(Device device, std::uint64_t messa
   const sensors::Commands commands = sensors::stream_request(device, profile_, stream.asked++);
   stream.commands.assign(commands.begin(), commands.end());
   return next_command(stream, now);
+}
+
+std::vector<std::uint8_t> StreamRequests::asks_for(Device device, std::uint64_t messages) const {
+  const std::vector<std::uint8_t> once = sensors::next_request(device, profile_);
+  std::vector<std::uint8_t> bytes;
+  for (std::uint64_t i = 0; i < messages && !once.empty(); ++i)
+    bytes.insert(bytes.end(), once.begin(), once.end());
+  return bytes;
 }
 
 std::vector<std::uint8_t> StreamRequests::next_command(Stream& stream, HostTime now) {

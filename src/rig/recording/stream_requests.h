@@ -13,7 +13,8 @@
 namespace thermorig::rig {
 
 /// Asks cameras and gyros for their streams: when the port has opened, and again each second in which no
-/// message came. What is said, the device's protocol knows; many say nothing.
+/// message came; those that send none, for one message more with each that came. What is said, the device's
+/// protocol knows; many say nothing.
 class StreamRequests {
  public:
   explicit StreamRequests(const RigProfile& profile) : profile_(profile) {}
@@ -32,6 +33,7 @@ class StreamRequests {
     std::deque<std::vector<std::uint8_t>> commands;  // of the newest request, not yet sent
     HostTime next_command{};                         // not before
   };
+  std::vector<std::uint8_t> asks_for(Device device, std::uint64_t messages) const;
   static std::vector<std::uint8_t> next_command(Stream& stream, HostTime now);
 
   RigProfile profile_;
