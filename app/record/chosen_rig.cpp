@@ -6,6 +6,7 @@
 #include "profile_path.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/simulation/panorama.h"
 #include "thermorig/storage/recording_header/profile_fields.h"
@@ -120,7 +121,10 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
   const bool is_sketch = camera == "text" || camera == "binary";  // which merges both halves
   config.half_fresh = camera != "full" && !is_sketch;
   if (is_sketch) config.profile.camera.protocol = camera;
-  if (camera == "raw") config.profile.camera.protocol = "i2c-stick";
+  if (camera == "raw") {
+    config.profile.camera.protocol = "i2c-stick";
+    config.profile.camera.link.baud = sensors::camera_protocol("i2c-stick").bauds.front().baud;
+  }
   if (camera == "query" || camera == "raw") config.camera_start = simulation::CameraStart::when_asked;
   if (parts.gyro_protocol) sensors::choose_gyro(*parts.gyro_protocol, config.profile.gyro);
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
