@@ -61,6 +61,8 @@ TEST(StreamRequests, AskACameraThatSendsNoStreamForOneMoreWithEachThatCame) {
   EXPECT_EQ(requests.due(Device::camera, 1, at_s(now_s)), once);
   EXPECT_THAT(requests.due(Device::camera, 1, at_s(now_s)), IsEmpty());
   EXPECT_EQ(requests.due(Device::camera, 3, at_s(now_s)).size(), 2 * once.size());
+  EXPECT_THAT(requests.due(Device::camera, 3, at_s(now_s), 5), IsEmpty()) << "refused, and no message";
+  EXPECT_EQ(requests.due(Device::camera, 4, at_s(now_s), 5).size(), 6 * once.size());
 }
 
 TEST(StreamRequests, SayNothingToDevicesThatSendByThemselves) {

@@ -143,7 +143,10 @@ void Recording::Parts::greet_again(HostTime now) {
 void Recording::Parts::ask_for_streams(HostTime now) {
   for (const Device device : all_devices)
     if (presence[device].has_port())
-      write_to(device, requests.due(device, pipeline.counters(device).messages, now), now);
+      write_to(
+          device,
+          requests.due(device, pipeline.counters(device).messages, now, pipeline.counters(device).bad_value),
+          now);
 }
 
 void Recording::Parts::write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now) {

@@ -14,19 +14,21 @@ constexpr HostDuration request_patience = std::chrono::seconds(1);
 constexpr double patience_periods = 3.0;  // of a device that sends more seldom
 }  // namespace
 
-std::vector<std::uint8_t> StreamRequests::due(Device device, std::uint64_t messages, HostTime now) {
+std::vector<std::uint8_t> StreamRequests::due(Device device, std::uint64_t messages, HostTime now,
+                                              std::uint64_t refused) {
   Stream& stream = streams_[device];
   if (!stream.commands.empty()) return next_command(stream, now);
   const std::uint64_t before = std::exchange(stream.messages, messages);
   if (before != messages && stream.since) {
     stream.since = now;
     stream.asked = 0;
-    return asks_for(device, messages - before);
+    return asks_for(device, messages - before + refused - std::exchange(stream.refused, refused));
   }
   const double period_s = 1.0 / sensors::device_stream(device, profile_).rate_hz;
   const HostDuration patience = std::max(request_patience, from_s(patience_periods * period_s));
   if (stream.since && now - *stream.since < patience) return {};
   stream.since = now;
+  stream.refused = refused;
   const sensors::Commands commands = sensors::stream_request(device, profile_, stream.asked++);
   stream.commands.assign(commands.begin(), commands.end());
   return next_command(stream, now);

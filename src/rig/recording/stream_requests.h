@@ -22,13 +22,17 @@ class StreamRequests {
   /// Its port is open anew: whatever it was asked, it may have forgotten.
   void port_opened(Device device) { streams_[device] = {}; }
 
-  /// What is to be sent to a device whose port is open, mostly nothing. `messages`: heard of it so far.
-  std::vector<std::uint8_t> due(Device device, std::uint64_t messages, HostTime now);
+  /// What is to be sent to a device whose port is open, mostly nothing. `messages`: heard of it so far;
+  /// `refused`: answers of it that were none. They are asked for anew with the next message, so that one that
+  /// has nothing but such answers is not asked without end.
+  std::vector<std::uint8_t> due(Device device, std::uint64_t messages, HostTime now,
+                                std::uint64_t refused = 0);
 
  private:
   struct Stream {
     std::optional<HostTime> since;  // it was asked, or a message came
     std::uint64_t messages = 0;
+    std::uint64_t refused = 0;                       // when a message came last
     unsigned asked = 0;                              // in vain
     std::deque<std::vector<std::uint8_t>> commands;  // of the newest request, not yet sent
     HostTime next_command{};                         // not before
