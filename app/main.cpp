@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <new>
 #include <string_view>
+#include <system_error>
 #include <variant>
 
 #include "commands.h"
@@ -55,6 +56,10 @@ int printed(int code) {
   return code;
 }
 
+Error not_enough_memory() {
+  return {ExitCode::failed, "there is not enough memory", "", "close other programs"};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -75,7 +80,10 @@ int main(int argc, char** argv) {
                              "see what is there: ls -l " + shell_word(error.path1().string())),
                        json);
   } catch (const std::bad_alloc&) {
-    return app::report(Error(ExitCode::failed, "there is not enough memory", "", "close other programs"),
+    return app::report(not_enough_memory(), json);
+  } catch (const std::system_error& error) {  // of a thread: its stack finds no room
+    const bool lacks_memory = error.code() == std::errc::resource_unavailable_try_again;
+    return app::report(lacks_memory ? not_enough_memory() : Error(ExitCode::failed, error.what(), "", ""),
                        json);
   } catch (const std::exception& error) {
     return app::report(Error(ExitCode::failed, error.what(), "", ""), json);

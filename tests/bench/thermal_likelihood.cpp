@@ -59,8 +59,8 @@ std::vector<float> bounds_of(const OdometerRecording& recording) {
 void judge(Row& row) {
   const OdometerRecording recording = record({.seed = row.seed, .environment = row.environment});
   const std::vector<float> bounds = bounds_of(recording);
-  estimators::Bank bank(std::vector<std::string>{"thermal-likelihood"}, std::nullopt, recording.profile,
-                        {}, window_frames);
+  estimators::Bank bank(std::vector<std::string>{"thermal-likelihood"}, std::nullopt, recording.profile, {},
+                        window_frames);
   network::WindowRule rule(window_frames);
   const auto& measurements = recording.measurements;
   for (std::size_t i = 0; i < measurements.size(); ++i) {

@@ -45,7 +45,7 @@ TEST(Evaluation, NormalisesByTheLabelScale) {
 }
 
 TEST(Evaluation, ComparesEveryEstimatorOfTheTableThatNeedsNoNetwork) {
-  std::vector<std::string> names{"cnn-thermal", "cnn-fusion"};
+  std::vector<std::string> names{"cnn-thermal", "cnn-fusion", "cnn-fusion-kalman"};
   for (const estimators::Entry& entry : estimators::all_entries())
     if (!entry.needs_network) names.emplace_back(entry.name);
   const auto compared = all_estimators();
