@@ -40,8 +40,9 @@ void add_commands(const std::function<std::string(const std::string&)>& complete
   for (const std::string& line : lines_of(complete(command))) {
     const std::string name = line.substr(0, line.find('\t'));
     if (line.find('\t') == std::string::npos || name.starts_with('-') || name == "help") continue;
-    commands.push_back(command.empty() ? name : command + " " + name);
-    add_commands(complete, commands.back(), commands);
+    const std::string inner = command.empty() ? name : command + " " + name;
+    commands.push_back(inner);
+    add_commands(complete, inner, commands);
   }
 }
 
