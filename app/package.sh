@@ -27,18 +27,6 @@ cmake --preset "${THERMORIG_PRESET:-release}" -B "$build" -DTHERMORIG_PAGE=ON -D
 cmake --build "$build" -j "$(nproc)" --target thermorig thermorig-avr servo_firmware
 "$build/bin/thermorig" help --man "$build/man" # with the commit's date, whenever it was built
 
-# What the licence of a package must say: Debian's machine-readable form, of LICENSE itself.
-copyright() {
-  cat <<END
-Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
-
-Files: *
-Copyright: $(sed -n 's/^Copyright (c) //p' LICENSE)
-License: Expat
-$(sed -n '5,$p' LICENSE | sed 's/^$/./; s/^/ /')
-END
-}
-
 # The licences of what is in the program itself: libraries of headers, and the scripts of its pages.
 third_party() {
   local page=$build/src/io/web/page/node_modules charts=$build/src/learning/report/charts/node_modules file
@@ -60,7 +48,7 @@ package() {
   DESTDIR=$root cmake --install "$build" --prefix /usr --component "$2" --strip >/dev/null
   mkdir -p "$doc" "$root/DEBIAN"
   rm -f "$doc/LICENSE"
-  copyright >"$doc/copyright"
+  cp LICENSE "$doc/copyright"
   [ "$2" = avr ] || third_party | gzip -9n >"$doc/third_party_licences.gz"
   printf '%s (%s) unstable; urgency=medium\n\n  * What has changed: docs/CHANGELOG.md of the package thermorig.\n\n -- %s  %s\n' \
     "$name" "$version" "$maintainer" "$(date -u -R -d "@$SOURCE_DATE_EPOCH")" | gzip -9n >"$doc/changelog.gz"

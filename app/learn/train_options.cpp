@@ -32,6 +32,7 @@ void add_settings(CLI::App& command, TrainOptions& options) {
           "--label", options.label,
           "Speed to learn: commanded (default, as in the paper), corrected (by the servo's measured scale), "
           "shaft (by the servo model)")
+      ->check(one_of({label_names.begin(), label_names.end()}))
       ->type_name("NAME");
   command.add_option("--epochs", options.epochs, "Passes over all windows (default 40)")->type_name("N");
   command.add_option("--batch", options.batch, "Windows per step, 1 to 32 (default 32)")

@@ -13,7 +13,7 @@ namespace thermorig::app {
 
 namespace {
 
-/// Whoever turns the rig is told what is needed; the simulated rig has somebody who does it.
+/// Says what the person at the rig has to do; the simulated rig is turned by hand as well.
 void prepare_turns(const RecordOptions& options, const rig::SweepPlan& plan, ChosenRig& rig) {
   if (options.check)
     throw Error(ExitCode::bad_usage, "--check drives the servo, and there is none", "", "leave --check out");
@@ -22,7 +22,7 @@ void prepare_turns(const RecordOptions& options, const rig::SweepPlan& plan, Cho
   if (options.json) return;
   print(
       "No servo: labels are the gyro's.\n"
-      "  1. Leave the rig alone for 10 s: that tells the gyro's bias.\n"
+      "  1. Leave the rig alone for 10 s, to measure the gyro's bias.\n"
       "  2. Turn all of it, slowly and fast, both ways, more than a whole turn.\n"
       "  3. Leave it alone for the last 5 s{}.\n",
       plan.ends_by_stop() ? ", then press Ctrl-C" : "");

@@ -32,14 +32,6 @@ using rig::SetupStep;
 
 constexpr double shown_s = 3.0;
 
-/// Beside this program, as the build puts it.
-std::string image_beside_program() {
-  std::error_code hidden;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", hidden);
-  const auto image = program.parent_path() / "servo_firmware.hex";
-  return std::filesystem::exists(image, hidden) ? image.string() : "servo_firmware.hex";
-}
-
 /// The ports of this computer and the person at its terminal.
 class TerminalSetup : public rig::SetupWorld {
  public:
@@ -130,6 +122,10 @@ class TerminalSetup : public rig::SetupWorld {
 
   bool flash(const std::string& port) override {
     if (!options_.flash) return false;
+    if (!servo_firmware_image())
+      throw Error(ExitCode::failed,
+                  "the firmware's image, servo_firmware.hex, did not come with this program", "setup",
+                  "build it: firmware_servo/README.md; then setup without --flash");
     for (const std::string& command : rig::flash_commands(shell_word(port), shell_word(firmware_image()))) {
       say(command + "\n");
       if (std::system(command.c_str()) == 0) return true;
@@ -138,7 +134,9 @@ class TerminalSetup : public rig::SetupWorld {
                 "is it an Uno or a Nano (ATmega328P), and is avrdude installed? apt-get install avrdude");
   }
 
-  std::string firmware_image() const override { return image_beside_program(); }
+  std::string firmware_image() const override {
+    return servo_firmware_image().value_or("servo_firmware.hex").string();
+  }
 
  private:
   static std::string answered() {

@@ -47,98 +47,97 @@ class AngleOfFrames {
   double angle_deg_ = 0.0;
 };
 
-class ThermalEstimator : public Estimator {
+/// What the network's estimators have in common: its window, a gyro that is heard at every frame, an angle.
+class NetworkEstimator : public Estimator {
  public:
-  explicit ThermalEstimator(const Setup& setup) : network_(setup.network) {}
+  explicit NetworkEstimator(const Setup& setup) : network_(setup.network) {}
 
-  std::optional<RateEstimate> add(const Observation& observation) override {
+  std::optional<RateEstimate> add(const Observation& observation) final {
     const auto& output = network_->look(observation);
+    const bool has_gyro = hear(observation);
     RateEstimate estimate;
-    if (output) {
-      estimate.rate_dps = finite_or_unknown(output->thermal * network_->speed_scale_dps());
-      estimate.rate_sigma_dps = network_->sigma_dps(output->gain);
-    } else {
+    if (!output)
       estimate.reason = network_->reason();
-    }
+    else if (!has_gyro)
+      estimate.reason = EstimateReason::no_gyro;
+    else
+      fill(*output, estimate);
     if (std::isfinite(estimate.rate_dps)) estimate.state = EstimateState::good;
     estimate.angle_deg = angle_.add(estimate.rate_dps, observation.frame.exposure_end);
     return estimate;
   }
 
+ protected:
+  const NetworkWindow& network() const { return *network_; }
+
  private:
+  /// False where the gyro says nothing of this window.
+  virtual bool hear(const Observation& observation) = 0;
+  /// The rate, its sigma, and the values.
+  virtual void fill(const network::Output& output, RateEstimate& estimate) const = 0;
+
   std::shared_ptr<NetworkWindow> network_;
   AngleOfFrames angle_;
 };
 
-class FusionEstimator : public Estimator {
+class ThermalEstimator : public NetworkEstimator {
  public:
-  explicit FusionEstimator(const Setup& setup) : network_(setup.network), gyro_(setup.frames) {}
-
-  std::optional<RateEstimate> add(const Observation& observation) override {
-    const auto& output = network_->look(observation);
-    const float gyro_dps = gyro_.add(observation.gyro_mean_dps);
-    RateEstimate estimate;
-    if (!output)
-      estimate.reason = network_->reason();
-    else if (!network::is_sound_rate(gyro_dps))
-      estimate.reason = EstimateReason::no_gyro;
-    else
-      fuse(*output, gyro_dps, estimate);
-    estimate.angle_deg = angle_.add(estimate.rate_dps, observation.frame.exposure_end);
-    return estimate;
-  }
+  using NetworkEstimator::NetworkEstimator;
 
  private:
-  void fuse(const network::Output& output, float gyro_dps, RateEstimate& estimate) const {
-    const float scale_dps = network_->speed_scale_dps();
-    estimate.rate_dps = finite_or_unknown(network::fusion_of(output, gyro_dps / scale_dps) * scale_dps);
+  bool hear(const Observation&) override { return true; }
+  void fill(const network::Output& output, RateEstimate& estimate) const override {
+    estimate.rate_dps = finite_or_unknown(output.thermal * network().speed_scale_dps());
+    estimate.rate_sigma_dps = network().sigma_dps(output.gain);
+  }
+};
+
+class FusionEstimator : public NetworkEstimator {
+ public:
+  explicit FusionEstimator(const Setup& setup) : NetworkEstimator(setup), rates_(setup.frames) {}
+
+ private:
+  bool hear(const Observation& observation) override {
+    gyro_dps_ = rates_.add(observation.gyro_mean_dps);
+    return network::is_sound_rate(gyro_dps_);
+  }
+  void fill(const network::Output& output, RateEstimate& estimate) const override {
+    const float scale_dps = network().speed_scale_dps();
+    estimate.rate_dps = finite_or_unknown(network::fusion_of(output, gyro_dps_ / scale_dps) * scale_dps);
     estimate.values[0] = finite_or_unknown(output.gain);
-    if (std::isfinite(estimate.rate_dps)) estimate.state = EstimateState::good;
   }
 
-  std::shared_ptr<NetworkWindow> network_;
-  WindowRates gyro_;
-  AngleOfFrames angle_;
+  WindowRates rates_;
+  float gyro_dps_ = RateEstimate::not_known;  // mean over the window
 };
 
 /// Where a rest has shown the gyro's bias, the images get only the weight that is left to them; before, the
-/// profile says how far off the bias may be. The gyro's scale gives them none: over a whole room they know it
-/// no better than a data sheet.
-class KalmanFusionEstimator : public Estimator {
+/// profile says how far off the bias may be. The gyro's scale gives them no weight: their own errors over a
+/// whole room are as large.
+class KalmanFusionEstimator : public NetworkEstimator {
  public:
   explicit KalmanFusionEstimator(const Setup& setup)
-      : network_(setup.network), gyro_(gyro_kalman().make(setup)) {}
-
-  std::optional<RateEstimate> add(const Observation& observation) override {
-    const auto& output = network_->look(observation);
-    const RateEstimate gyro = gyro_->add(observation).value_or(RateEstimate{});
-    RateEstimate estimate;
-    if (!output)
-      estimate.reason = network_->reason();
-    else if (!std::isfinite(gyro.rate_dps))
-      estimate.reason = EstimateReason::no_gyro;
-    else
-      fuse(*output, gyro, estimate);
-    estimate.angle_deg = angle_.add(estimate.rate_dps, observation.frame.exposure_end);
-    return estimate;
-  }
+      : NetworkEstimator(setup), filter_(gyro_kalman().make(setup)) {}
 
  private:
-  void fuse(const network::Output& output, const RateEstimate& gyro, RateEstimate& estimate) const {
-    const double thermal_dps = double{output.thermal * network_->speed_scale_dps()};
-    const double thermal_sigma_dps = double{network_->sigma_dps(output.gain)};
-    const double gain = network::gain_beside(double{gyro.values[1]}, thermal_sigma_dps);
-    const double rate_dps = gain * thermal_dps + (1.0 - gain) * double{gyro.rate_dps};
-    const double sigma_dps = std::hypot(gain * thermal_sigma_dps, (1.0 - gain) * double{gyro.rate_sigma_dps});
+  bool hear(const Observation& observation) override {
+    gyro_ = filter_->add(observation).value_or(RateEstimate{});
+    return std::isfinite(gyro_.rate_dps);
+  }
+  void fill(const network::Output& output, RateEstimate& estimate) const override {
+    const double thermal_dps = double{output.thermal * network().speed_scale_dps()};
+    const double thermal_sigma_dps = double{network().sigma_dps(output.gain)};
+    const double gain = network::gain_beside(double{gyro_.values[1]}, thermal_sigma_dps);
+    const double rate_dps = gain * thermal_dps + (1.0 - gain) * double{gyro_.rate_dps};
+    const double sigma_dps =
+        std::hypot(gain * thermal_sigma_dps, (1.0 - gain) * double{gyro_.rate_sigma_dps});
     estimate.rate_dps = finite_or_unknown(static_cast<float>(rate_dps));
     estimate.rate_sigma_dps = finite_or_unknown(static_cast<float>(sigma_dps));
     estimate.values[0] = finite_or_unknown(static_cast<float>(gain));
-    if (std::isfinite(estimate.rate_dps)) estimate.state = EstimateState::good;
   }
 
-  std::shared_ptr<NetworkWindow> network_;
-  std::unique_ptr<Estimator> gyro_;
-  AngleOfFrames angle_;
+  std::unique_ptr<Estimator> filter_;
+  RateEstimate gyro_;
 };
 
 }  // namespace

@@ -117,8 +117,8 @@ class XsensFraming {
   void restart() { counter_.reset(); }
 
  private:
-  /// The counter has 16 bits. A rate that is not the profile's makes a clock that is too fast or too slow,
-  /// which whoever uses it notices.
+  /// The counter has 16 bits. With a rate that is not the profile's this clock runs too fast or too slow,
+  /// which the check against the host's clock finds.
   std::int64_t counted_us(std::uint16_t counter) {
     count_ += static_cast<std::uint16_t>(counter - counter_.value_or(counter));
     counter_ = counter;
@@ -137,7 +137,7 @@ ClockProperties xsens_clock(const GyroProfile&) {
   return {.tick_s = sample_time_s, .wrap_ticks = std::uint64_t{1} << 32U};
 }
 
-/// What the sensor is told to send beside the rates is not known: with orientation, acceleration and magnetic
+/// What else it sends is its owner's choice: with orientation, acceleration and magnetic
 /// field it is about that.
 std::uint64_t xsens_message_bytes(const GyroProfile&) {
   return 100;

@@ -236,6 +236,12 @@ TEST_F(Live, WorksWithoutANetworkAndSaysSo) {
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("no network (--model FILE)"), HasSubstr("RMSE in deg/s")));
 }
 
+TEST_F(Live, SaysSoWhereTheCameraSendsOtherFramesThanTheNetworkHasLearnt) {
+  const std::string rig = "live --world honest --simulated=3 --fast " + plan;
+  EXPECT_THAT(run(rig + " --simulated-camera full").out, HasSubstr("the camera sends full frames"));
+  EXPECT_THAT(run(rig).out, Not(HasSubstr("full frames")));
+}
+
 TEST_F(Live, TakesTheGeneralModelByItself) {
   const Outcome outcome = run("live --world honest --simulated=3 --fast --json " + plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;

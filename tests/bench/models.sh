@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # The models of docs/models on garden acquisition 6 of the simulated Table I, which they never saw.
 # Usage: bash tests/bench/models.sh [--json | --train | --general]
-#   --general  makes docs/models/general-55.onnx and -110.onnx anew, from made-up rooms: some twenty minutes of one core
+#   --general  makes docs/models/general-55.onnx and -110.onnx anew, from made-up rooms: some twelve minutes of one core
 #   --train   trains both anew instead, with seed 1, on the acquisitions in build/paper-study/raw, which are recorded where
 #             they are not there; the same recordings give the same files on the same instruction set
 set -euo pipefail

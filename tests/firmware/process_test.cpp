@@ -8,6 +8,7 @@
 #include "bench.h"
 #include "simulation/simulated_ports/avr_firmware.h"
 #include "thermorig/core/error.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
 
 namespace thermorig::firmware_test {
 namespace {
@@ -37,6 +38,14 @@ TEST(AvrFirmware, IsNoneWhereTheImageIsMissing) {
   EXPECT_EQ(make_avr_firmware(), nullptr);
   libexec.put("thermorig-avr", "#!/bin/sh\n");
   EXPECT_EQ(make_avr_firmware(), nullptr);
+}
+
+TEST(ServoFirmwareImage, IsThereWithoutTheSimulatorToo) {
+  Libexec libexec;
+  EXPECT_FALSE(servo_firmware_image());
+  libexec.put("servo_firmware.hex", "");
+  ASSERT_TRUE(servo_firmware_image());
+  EXPECT_EQ(servo_firmware_image()->filename(), "servo_firmware.hex");
 }
 
 TEST(AvrFirmware, SaysSoWhenItsProcessDies) {

@@ -80,7 +80,7 @@ std::vector<std::string> lacking_by_hand(const session::Session& session) {
     if (turned_deg < 0.0) backward_deg -= turned_deg;
   }
   if (std::max(forward_deg, backward_deg) < least_turn_deg)
-    lacking.emplace_back("a whole turn and a bit more, which tells the gyro's scale");
+    lacking.emplace_back("a whole turn and a bit more, for the gyro's scale");
   if (std::min(forward_deg, backward_deg) < least_turn_deg / 4.0)
     lacking.emplace_back(forward_deg > backward_deg ? "turns the other way, of negative rates"
                                                     : "turns the other way, of positive rates");

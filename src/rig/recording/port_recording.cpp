@@ -229,10 +229,10 @@ void PortSession::tick(HostTime now) {
 
 void PortSession::signalled() {
   if (++signals_ == 1) {
-    const std::string first = options_.recording.profile.servo.is_there() ? "stopping the servo, then " : "";
-    notice(!options_.recording.keep
-               ? "stopping"
-               : first + "closing the file (Ctrl-C again leaves it for `thermorig recover`)");
+    std::string stopping = options_.recording.profile.servo.is_there() ? "stopping the servo" : "stopping";
+    if (options_.recording.keep)
+      stopping += ", then closing the file (Ctrl-C again leaves it for `thermorig recover`)";
+    notice(stopping);
     recording_->request_stop(loop_.now());
   }
 }

@@ -25,7 +25,7 @@ constexpr int most_listenings = 4;
 constexpr double gentle_dps = 15.0, firm_dps = 180.0;
 constexpr int gentle_frames = 12;
 constexpr double same_travel = 0.05;   // by which an uncalibrated gyro and servo may differ
-constexpr double gross_travel = 0.4;   // what some small moves can tell
+constexpr double gross_travel = 0.4;   // what some small moves can show
 constexpr double usual_travel = 0.04;  // as near to a usual one it is that
 constexpr std::array usual_travels_deg{90.0, 180.0, 270.0, 360.0, 720.0, 1080.0, 1260.0, 1800.0, 2160.0};
 
@@ -99,7 +99,7 @@ void require_others(const std::vector<PortFinding>& findings) {
   }
 }
 
-/// Of lines that do not say it, the columns are guessed and the turns will tell the unit.
+/// Of lines that do not say it, the columns are guessed and the turns show the unit.
 void take_gyro_on_trial(const PortFinding& finding, SetupState& state) {
   if (!finding.text_format || finding.is_known()) return;
   GyroProfile& gyro = state.profile.gyro;
@@ -150,11 +150,11 @@ std::string axis_text(const GyroProfile& gyro) {
   return fmt::format("{}{}", gyro.sign < 0 ? "-" : "+", "xyz"[std::clamp(gyro.axis, 0, 2)]);
 }
 
-/// What the images say of the turns, which owes nothing to the gyro, tells in which unit it sends.
+/// The images measure the turns without the gyro, so the ratio is the unit in which it sends.
 void take_unit(const Witnesses& witnesses, GyroProfile& gyro, SetupWorld& world) {
   if (!witnesses.images_share || !witnesses.gyro_share || !(std::abs(witnesses.gyro_share->value) > 0.0))
     throw Error(ExitCode::finished_lossy,
-                "the images do not tell how far the rig turned, which would tell the gyro's unit: " +
+                "the images do not show how far the rig turned, so the gyro's unit is not known: " +
                     witnesses.images_why_not,
                 "gyro",
                 "point the camera at something with warm and cold edges, or say scale_dps in [gyro.text] of "
@@ -178,7 +178,7 @@ void take_orientation(const session::Session& session, RigProfile& profile, Setu
                         axis_text(profile.gyro), found.mirrored ? "mirrored" : "not mirrored"));
 }
 
-/// A latency that was not told stays an assumption, with its wide uncertainty.
+/// A latency that was not measured stays an assumption, with its wide uncertainty.
 void take_latency(const session::Session& session, RigProfile& profile, SetupWorld& world) {
   try {
     const calibration::LatencyResult found = calibration::measure_latency(session);
@@ -342,7 +342,7 @@ SweepPlan setup_moves_plan(const ServoProfile& servo, const CameraProfile& camer
 }
 
 SweepPlan setup_turns_plan(const ServoProfile& servo, const CameraProfile& camera) {
-  constexpr std::array shares{0.3, 0.3, 1.0, 0.6, 0.8};  // slow ones tell which way images move
+  constexpr std::array shares{0.3, 0.3, 1.0, 0.6, 0.8};  // slow ones show which way images move
   constexpr double fastest_dps = 100.0, leg_s = 2.0;
   return reversals_plan("setup-turns", shares, fastest_dps,
                         static_cast<int>(std::ceil(leg_s * camera.output_rate_hz)), servo, camera);

@@ -31,17 +31,22 @@ struct Paths {
   fs::path image;
 };
 
+/// Where they may be, the first place first.
+std::vector<Paths> places() {
+  const auto in = [](const fs::path& libexec, const fs::path& data) -> Paths {
+    return {libexec / "thermorig-avr", data / "servo_firmware.hex"};
+  };
+  if (const char* set = std::getenv("THERMORIG_LIBEXEC")) return {in(set, set)};
+  std::error_code error;
+  const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path();
+  return {in(beside, beside), in(beside / THERMORIG_LIBEXEC_FROM_BIN, beside / THERMORIG_DATA_FROM_BIN)};
+}
+
 std::optional<Paths> find_paths() {
   std::error_code error;
-  const auto found = [&](const fs::path& libexec, const fs::path& data) -> std::optional<Paths> {
-    const Paths paths{libexec / "thermorig-avr", data / "servo_firmware.hex"};
-    if (!fs::is_regular_file(paths.program, error) || !fs::is_regular_file(paths.image, error)) return {};
-    return paths;
-  };
-  if (const char* set = std::getenv("THERMORIG_LIBEXEC")) return found(set, set);
-  const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path();
-  const auto built = found(beside, beside);
-  return built ? built : found(beside / THERMORIG_LIBEXEC_FROM_BIN, beside / THERMORIG_DATA_FROM_BIN);
+  for (const Paths& paths : places())
+    if (fs::is_regular_file(paths.program, error) && fs::is_regular_file(paths.image, error)) return paths;
+  return std::nullopt;
 }
 
 [[noreturn]] void throw_dead(const std::string& why) {
@@ -160,6 +165,13 @@ class AvrFirmware final : public simulation::Firmware {
 };
 
 }  // namespace
+
+std::optional<fs::path> servo_firmware_image() {
+  std::error_code error;
+  for (const Paths& paths : places())
+    if (fs::is_regular_file(paths.image, error)) return paths.image.lexically_normal();
+  return std::nullopt;
+}
 
 std::unique_ptr<simulation::Firmware> make_avr_firmware() {
   const std::optional<Paths> paths = find_paths();

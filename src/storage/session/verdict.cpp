@@ -84,13 +84,14 @@ std::string none_valid_text(const Quality& quality) {
 void judge_rests(const Session& session, Verdict& verdict) {
   const GyroErrors& gyro = session.sync.gyro;
   if (!gyro.bias_dps)
-    verdict.bad(gyro.zeroes_itself
-                    ? "the gyro zeroes itself at rest and so hides its bias: labels from it are refused; "
-                      "switch that off in the device"
-                    : "no rest at the beginning tells the gyro's bias: labels from it are refused; record "
-                      "again, and leave the rig alone for the first 10 s");
+    verdict.bad(
+        gyro.zeroes_itself
+            ? "the gyro zeroes itself at rest and so hides its bias: labels from it are refused; "
+              "switch that off in the device"
+            : "no rest at the beginning, so the gyro's bias is not known: labels from it are refused; record "
+              "again, and leave the rig alone for the first 10 s");
   else if (gyro.bias_course.empty())
-    verdict.usable_or_remark(false, "no rest at the end tells how the gyro's bias drifted");
+    verdict.usable_or_remark(false, "no rest at the end, so the drift of the gyro's bias is not known");
 }
 
 void judge_samples(const Session& session, const Quality& quality, Verdict& verdict) {

@@ -26,7 +26,7 @@ std::vector<Interval> rests_by_gyro(std::span<const TimedGyro> gyro);
 bool are_images_still(std::span<const TimedFrame> frames, HostTime begin, HostTime end);
 
 /// The gyro's errors of a rig without a servo, by its rests: those of rests_by_gyro() if the images of the
-/// first agree. Without a rest, or where the gyro zeroes itself there, `bias_dps` is none: nothing tells it.
+/// first agree. Without a rest, or where the gyro zeroes itself there, `bias_dps` is none.
 GyroErrors fit_gyro_errors_without_servo(std::span<const TimedGyro> gyro, std::span<const TimedFrame> frames,
                                          const GyroProfile& profile);
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,9 @@ enum class FirmwareChoice : std::uint8_t {
 };
 
 std::unique_ptr<simulation::Firmware> make_firmware(FirmwareChoice choice);
+
+/// The image of the servo's firmware (Intel HEX) that came with this program; nothing where there is none.
+std::optional<std::filesystem::path> servo_firmware_image();
 
 /// What became of the bytes of one simulated port.
 /// Sent by the device: bytes_delivered + bytes_unheard + bytes_overrun, and up to 48 KiB that still wait.
