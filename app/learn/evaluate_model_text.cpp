@@ -61,7 +61,7 @@ std::string errors_text(const study::PerEstimator<Errors>& by_estimator, const c
     const Errors& errors = by_estimator[name];
     table.add({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
                rate_text(errors.median_dps), rate_text(errors.p95_dps), percent_text(errors.outlier_share),
-               rate_text(errors.bias_dps)});
+               rate_text(errors.mean_error_dps)});
   }
   return table.text() + "\n";
 }

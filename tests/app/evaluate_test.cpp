@@ -138,9 +138,9 @@ TEST_F(EvaluateTest, RemovesTheBiasOfTheRestAndNotTheJerkOfArming) {
   const Outcome outcome = run("evaluate model.onnx recordings --json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const nlohmann::json errors = outcome.lines().back().at("errors");
-  EXPECT_GT(std::abs(errors.at("gyro").at("bias_dps").get<double>()), 2.0);
+  EXPECT_GT(std::abs(errors.at("gyro").at("mean_error_dps").get<double>()), 2.0);
   for (const char* const name : {"gyro-rest", "gyro-kalman"})
-    EXPECT_LT(std::abs(errors.at(name).at("bias_dps").get<double>()), 0.3) << name;
+    EXPECT_LT(std::abs(errors.at(name).at("mean_error_dps").get<double>()), 0.3) << name;
 }
 
 TEST_F(EvaluateTest, SaysWhereThereIsNoBoundAndRefusesTheWordWhereItMeansNothing) {

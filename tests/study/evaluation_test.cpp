@@ -31,7 +31,7 @@ TEST(Evaluation, GivesTheErrorsOfEachEstimator) {
   EXPECT_DOUBLE_EQ(thermal.rmse_dps, std::sqrt(500.0));
   EXPECT_DOUBLE_EQ(thermal.median_dps, 20.0);
   EXPECT_DOUBLE_EQ(thermal.p95_dps, 29.0);
-  EXPECT_DOUBLE_EQ(thermal.bias_dps, -10.0);
+  EXPECT_DOUBLE_EQ(thermal.mean_error_dps, -10.0);
   EXPECT_DOUBLE_EQ(thermal.outlier_share, 0.0);  // 30 deg/s is none yet
   EXPECT_DOUBLE_EQ(evaluation.errors[fusion_name].mse, 10.0 / 40'000.0);
   EXPECT_DOUBLE_EQ(evaluation.errors[gyro_name].outlier_share, 1.0);
@@ -58,7 +58,7 @@ TEST(Evaluation, SaysUnknownOfAnEstimatorThatSaysNothing) {
   const Evaluation evaluation = evaluated({judged(2, 100, 0, 0, 8), judged(3, 100, 0, 0, 6)}, acquisition);
   const Errors& rest = evaluation.errors["gyro-rest"];
   EXPECT_EQ(rest.windows, 0U);
-  EXPECT_TRUE(std::isnan(rest.mse) && std::isnan(rest.p95_dps) && std::isnan(rest.bias_dps));
+  EXPECT_TRUE(std::isnan(rest.mse) && std::isnan(rest.p95_dps) && std::isnan(rest.mean_error_dps));
   EXPECT_TRUE(std::isnan(evaluation.speeds.at(0).mse["gyro-rest"]));
   EXPECT_TRUE(evaluation.angles.at(0).error_deg["gyro-rest"].empty());
   EXPECT_EQ(evaluation.errors[gyro_name].windows, 2U);
@@ -105,9 +105,9 @@ TEST(Evaluation, HoldsEstimatesAgainstTheShaftAsWell) {
   const std::vector<network::Window> windows{{0, 1}, {0, 2}, {0, 3}};
   const auto judged = judged_windows(std::span(&acquisition, 1), windows, 2);
   const Evaluation evaluation = evaluate(judged, std::span(&acquisition, 1));
-  EXPECT_DOUBLE_EQ(evaluation.errors[gyro_name].bias_dps, -2.0);
+  EXPECT_DOUBLE_EQ(evaluation.errors[gyro_name].mean_error_dps, -2.0);
   EXPECT_EQ(evaluation.errors[gyro_name].windows, 3U);
-  EXPECT_DOUBLE_EQ(evaluation.shaft_errors[gyro_name].bias_dps, 1.0);
+  EXPECT_DOUBLE_EQ(evaluation.shaft_errors[gyro_name].mean_error_dps, 1.0);
   EXPECT_EQ(evaluation.shaft_errors[gyro_name].windows, 2U);  // of one of its frames nothing is known
 }
 

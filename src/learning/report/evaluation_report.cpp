@@ -64,7 +64,7 @@ Table errors_table(const Model& model, const study::PerEstimator<study::Errors>&
     const study::Errors& errors = by_estimator[name];
     table.rows.push_back({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
                           rate_text(errors.median_dps), rate_text(errors.p95_dps),
-                          share_text(errors.outlier_share), rate_text(errors.bias_dps)});
+                          share_text(errors.outlier_share), rate_text(errors.mean_error_dps)});
   }
   return table;
 }
@@ -196,7 +196,7 @@ std::string evaluation_json(const Model& model, const Evaluation& evaluation) {
     if (i < evaluation.names.size()) angles.back()["name"] = evaluation.names[i];
   }
   json report{{"format", "thermorig-evaluation-report"},
-              {"version", 2},
+              {"version", 3},
               {"model",
                {{"frames", shape.frames},
                 {"reduction", shape.reduction},

@@ -28,7 +28,8 @@ Table setup_table(const StudyView& view, bool fusion) {
 
 std::string detail_cell(const study::Errors& errors) {
   return fmt::format("{} / {} / {} / {} / {}", rate_text(errors.rmse_dps), rate_text(errors.median_dps),
-                     rate_text(errors.p95_dps), share_text(errors.outlier_share), rate_text(errors.bias_dps));
+                     rate_text(errors.p95_dps), share_text(errors.outlier_share),
+                     rate_text(errors.mean_error_dps));
 }
 
 /// RMSE, median and 95th percentile of |error|, outliers, bias: of all estimators at the reference.

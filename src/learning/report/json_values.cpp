@@ -7,31 +7,34 @@
 #include <cstdlib>
 
 #include "gain_figures.h"
+#include "thermorig/learning/study/result_fields.h"
 
 namespace thermorig::report {
 
 using nlohmann::json;
 
+namespace {
+
+template <typename Value>
+json by_name(const Value& value) {
+  json unused;
+  return study::FieldWriter(unused, study::OverEstimators::by_name).json_of(value);
+}
+
+}  // namespace
+
 json errors_json(const study::PerEstimator<study::Errors>& errors) {
-  json by_name;
-  for (const std::string& name : study::all_estimators()) {
-    const study::Errors& one = errors[name];
-    by_name[name] = {{"windows", one.windows},   {"mse", one.mse},
-                     {"rmse_dps", one.rmse_dps}, {"median_dps", one.median_dps},
-                     {"p95_dps", one.p95_dps},   {"outlier_share", one.outlier_share},
-                     {"bias_dps", one.bias_dps}};
-  }
-  return by_name;
+  return by_name(errors);
 }
 
 json bounds_json(const study::BoundErrors& bounds) {
-  json by_name;
+  json multiples;
   for (const std::string& name : study::all_estimators())
-    by_name[name] = {{"median", bounds.median[name]}, {"rmse_below_2_dps", bounds.well_told_rmse[name]}};
+    multiples[name] = {{"median", bounds.median[name]}, {"rmse_below_2_dps", bounds.well_told_rmse[name]}};
   return {{"windows", bounds.windows},
           {"windows_below_2_dps", bounds.well_told},
           {"median_dps", bounds.median_dps},
-          {"multiples", by_name}};
+          {"multiples", multiples}};
 }
 
 json sigma_json(const study::GateSigma& sigma) {
@@ -46,20 +49,15 @@ json sigma_json(const study::GateSigma& sigma) {
 
 json gain_json(const study::GainStatistics& gain) {
   if (gain.windows() == 0) return nullptr;
-  return {
-      {"windows", gain.windows()},   {"histogram", gain.histogram}, {"mean", gain.mean},
-      {"deviation", gain.deviation}, {"median", gain.median},       {"below_002", gain.below_002},
-      {"above_098", gain.above_098}, {"peak", peak_of(gain)},       {"collapsed", study::collapsed(gain)}};
+  json object = by_name(gain);
+  object["windows"] = gain.windows();
+  object["peak"] = peak_of(gain);
+  object["collapsed"] = study::collapsed(gain);
+  return object;
 }
 
 json speeds_json(const std::vector<study::SpeedErrors>& speeds) {
-  json array = json::array();
-  for (const study::SpeedErrors& speed : speeds) {
-    json mse;
-    for (const std::string& name : study::all_estimators()) mse[name] = speed.mse[name];
-    array.push_back({{"rate_dps", speed.rate_dps}, {"windows", speed.windows}, {"mse", mse}});
-  }
-  return array;
+  return by_name(speeds);
 }
 
 json drift_json(const study::AngleTrack& track) {

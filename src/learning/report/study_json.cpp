@@ -84,7 +84,7 @@ std::string study_json(std::span<const study::JobResult> results) {
   json studies = json::array();
   for (const StudyView& view : views_of(results)) studies.push_back(study_of(view));
   return json_text({{"format", "thermorig-study-report"},
-                    {"version", 2},
+                    {"version", 3},
                     {"mse_unit", "(speed / label_scale_dps)^2"},
                     {"paper", paper_json()},
                     {"studies", studies}});

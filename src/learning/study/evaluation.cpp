@@ -74,7 +74,7 @@ Errors ErrorStatistics::errors(double label_scale_dps) {
           .median_dps = quantile(magnitudes_, 0.5),
           .p95_dps = quantile(magnitudes_, 0.95),
           .outlier_share = static_cast<double>(outliers_) / static_cast<double>(sums_.count()),
-          .bias_dps = sums_.mean_dps()};
+          .mean_error_dps = sums_.mean_dps()};
 }
 
 /// Errors by the commanded speed of the leg that a window's newest frame lies in.

@@ -78,8 +78,8 @@ struct Errors {
   double rmse_dps = unknown;
   double median_dps = unknown;  // of |error|
   double p95_dps = unknown;
-  double outlier_share = unknown;  // |error| > 30 deg/s
-  double bias_dps = unknown;       // mean error
+  double outlier_share = unknown;   // |error| > 30 deg/s
+  double mean_error_dps = unknown;  // mean error
 };
 
 /// Errors at one commanded speed, that of the leg in which the windows lie.
