@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "thermorig/learning/training/fit.h"
+#include "thermorig/learning/training/prediction.h"
 #include "thermorig/learning/training/thread_pool.h"
 #include "trained.h"
 
@@ -77,6 +81,20 @@ TEST(Beginning, GoesOnWithTheWeightsOfAnotherTraining) {
   EXPECT_NEAR(fits_of(second.model, config, data).training.network_mse,
               fits_of(first.model, config, data).training.network_mse, 1e-6);
   EXPECT_EQ(second.model.provenance.begun_from, "the first");
+}
+
+TEST(Gate, StatesASigmaThatTwoThirdsOfTheErrorsLieWithin) {
+  TrainingConfig config = preset("best");
+  config.shape = {.frames = 2, .reduction = 3};
+  config.epochs = 2;
+  const auto data = small_data();
+  const model::Model model = trained(config, data).model;
+  const std::vector<WindowEstimate> estimates =
+      predict(model, data, network::find_windows(data, config.shape.frames, 0));
+  const auto within = std::count_if(estimates.begin(), estimates.end(), [](const WindowEstimate& one) {
+    return std::abs(one.thermal_dps - one.label_dps) < one.thermal_sigma_dps;
+  });
+  EXPECT_NEAR(static_cast<double>(within) / static_cast<double>(estimates.size()), 0.683, 0.06);
 }
 
 }  // namespace

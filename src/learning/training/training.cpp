@@ -4,18 +4,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <set>
+#include <vector>
 
 #include "batch_stream.h"
 #include "epoch_plan.h"
 #include "estimates.h"
 #include "held_out.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::training {
 
@@ -26,8 +29,10 @@ using network::Acquisition;
 constexpr std::size_t steps_between_reports = 50;
 
 constexpr double most_rising_steps = 2000.0;
-constexpr double rising_part = 0.1;       // of a short training
-constexpr double share_of_begun = 0.4;    // of the rate, for weights that have learnt already
+constexpr double rising_part = 0.1;     // of a short training
+constexpr double share_of_begun = 0.4;  // of the rate, for weights that have learnt already
+constexpr std::size_t settling_steps = 256;
+constexpr double one_sigma_share = 0.683;
 constexpr float first_gate_bias = -4.0F;  // sigma of 74 deg/s: the gate knows nothing yet
 
 /// Of the rate, in the step of this number (from 0) of so many: a linear rise times half a cosine.
@@ -103,10 +108,40 @@ class Training {
 
   TrainingResult run() {
     while (done_.epoch < config_.epochs && !stopped_) run_epoch(done_.epoch + 1);
+    if (scaling_.gate_states_sigma && !stopped_) settle_gate();
     return {.model = model(), .epochs = done_.epochs, .stopped = stopped_, .windows = training_.size()};
   }
 
  private:
+  /// The likelihood's sigma is that of normal errors, and a few windows are far off: it is too large for all
+  /// the others. The gate's bias is set so that two thirds of the windows of one more epoch lie within it.
+  void settle_gate() {
+    const EpochPlan plan = epoch_plan(training_.size(), config_.seed, config_.epochs + 1, config_.symmetries);
+    BatchStream batches(training_, plan, recorded_a_batch(), workers_);
+    add_made(batches);
+    network::BatchEstimator estimator(done_.kept);
+    std::array<network::Output, network::max_batch> outputs;
+    std::vector<double> sigmas;  // that the errors are
+    for (std::size_t step = 0; step < std::min(batches.batches(), settling_steps); ++step) {
+      const network::Batch batch = batches.next().batch();
+      estimator.estimate(batch, std::span(outputs).first(batch.label.size()));
+      for (std::size_t i = 0; i < batch.label.size(); ++i)
+        sigmas.push_back(std::abs(outputs[i].thermal - batch.label[i]) /
+                         network::gate_sigma(outputs[i].gain, network::gate_gyro_sigma));
+    }
+    const double within_one = std::clamp(upper_quantile(sigmas, one_sigma_share), 0.5, 2.0);
+    done_.kept.tensor("gain2.bias")[0] -= static_cast<float>(2.0 * std::log(within_one));
+  }
+
+  std::size_t recorded_a_batch() const {
+    return static_cast<std::size_t>(config_.batch - config_.made.windows);
+  }
+  void add_made(BatchStream& batches) {
+    if (made_)
+      batches.add_made(*made_, static_cast<std::size_t>(config_.made.windows),
+                       static_cast<std::size_t>(config_.made.steps_an_epoch));
+  }
+
   static Checkpoint beginning(const TrainingConfig& config) {
     Checkpoint start;
     if (config.from) {
@@ -122,9 +157,8 @@ class Training {
 
   void run_epoch(int epoch) {
     const EpochPlan plan = epoch_plan(training_.size(), config_.seed, epoch, config_.symmetries);
-    const auto made = static_cast<std::size_t>(config_.made.windows);
-    BatchStream batches(training_, plan, static_cast<std::size_t>(config_.batch) - made, workers_);
-    if (made_) batches.add_made(*made_, made, static_cast<std::size_t>(config_.made.steps_an_epoch));
+    BatchStream batches(training_, plan, recorded_a_batch(), workers_);
+    add_made(batches);
     const std::size_t steps = batches.batches();
     const auto all_steps = static_cast<double>(steps) * config_.epochs;
     const auto steps_before = static_cast<double>(steps) * (epoch - 1);
