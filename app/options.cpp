@@ -463,6 +463,9 @@ std::string what_to_read(const CLI::App& root) {
     help += command->get_name() + " ";
   }
   const auto meant = left.empty() ? std::nullopt : nearest_name(left.front(), words_of(*command));
+  if (!left.empty() && left.front() == "--odometer")
+    return "the odometer runs on a computer (thermorig live); for a board there is the network: export MODEL "
+           "--c-header";
   return (meant ? "did you mean " + *meant + "? " : "") + help + "--help";
 }
 

@@ -259,7 +259,7 @@ struct EvaluateOptions {
 };
 
 struct ExportOptions {
-  std::filesystem::path file;            // a session, a model or a profile
+  std::filesystem::path file;            // a session or a model
   std::filesystem::path output = ".";    // folder; of a session also "-"
   std::optional<std::string> npz;        // of a session: windows, rows
   std::optional<int> frames, reduction;  // of its windows
@@ -268,7 +268,6 @@ struct ExportOptions {
   std::optional<std::string> mcap;       // "none" or "zstd": how it is compressed
   bool c_header = false;
   std::string weights = "float32";  // or int8
-  bool odometer = false;            // of a profile, or of a session's
   std::optional<std::string> name;  // prefix of the C sources
   std::optional<int> batch;         // ONNX with a fixed batch
   bool json = false;

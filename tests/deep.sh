@@ -28,8 +28,8 @@ part "tests on the clock with AddressSanitizer and UBSan" bash tests/wall_clock.
 
 # Exported C on boards in QEMU: what it takes.
 build_files=(CMakeLists.txt CMakePresets.json tests/CMakeLists.txt app/setup.sh)
-mapfile -t embedded < <(printf '%s\n' {src,include/thermorig}/{core,io/files,network,learning/training,estimators/board_odometer})
-part cortex_m far cortex_m "${build_files[@]}" "${embedded[@]}" tests/embedded tests/odometer tests/support \
+mapfile -t embedded < <(printf '%s\n' {src,include/thermorig}/{core,io/files,network,learning/training})
+part cortex_m far cortex_m "${build_files[@]}" "${embedded[@]}" tests/embedded tests/support \
   -- build/bin/test_embedded --gtest_brief=1 --gtest_filter='Cores/*'
 part aarch64 far aarch64 app/setup.sh {src,include/thermorig}/{core,network} tests/network \
   -- bash tests/network/aarch64.sh 'Estimator*:BatchEstimator*:*GoldenVectors*:Tensors*:Shape*'

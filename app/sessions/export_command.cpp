@@ -5,7 +5,6 @@
 
 #include "commands.h"
 #include "export_files.h"
-#include "export_odometer.h"
 #include "export_session.h"
 #include "export_size.h"
 #include "print/output.h"
@@ -22,7 +21,7 @@ void require_kind(const ExportOptions& options) {
   throw Error(
       ExitCode::bad_usage, "export needs to be told what", "",
       "of a session --npz, --csv, --tum or --mcap; of a model --c-header for small boards, or --batch 1 for "
-      "ONNX with a fixed batch (the model file itself is ONNX with any batch); of a profile --odometer");
+      "ONNX with a fixed batch (the model file itself is ONNX with any batch)");
 }
 
 std::string name_of(const ExportOptions& options) {
@@ -105,10 +104,9 @@ void print_object(const ExportOptions& options, const model::Model& model, const
 }  // namespace
 
 ExitCode run(const ExportOptions& options) {
-  if (options.odometer) return export_odometer(options);
   if (options.name && !options.c_header)
     throw Error(ExitCode::bad_usage, "--name is of C sources, and none are asked for", *options.name,
-                "--c-header or --odometer");
+                "--c-header");
   if (is_of_a_session(options)) return export_session(options);
   require_kind(options);
   files::require_existing(options.file);

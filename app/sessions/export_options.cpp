@@ -19,13 +19,7 @@ void add_c_sources(CLI::App& command, ExportOptions& options) {
       ->capture_default_str()
       ->needs(c_header);
   command
-      .add_flag(
-          "--odometer", options.odometer,
-          "Odometer as C99 sources, for the rig of the profile or session: NAME.h, NAME.c and NAME_rig.h")
-      ->excludes(c_header);
-  command
-      .add_option("--name", options.name,
-                  "Prefix of the C files and symbols (default: thermorig_network, thermorig_odometer)")
+      .add_option("--name", options.name, "Prefix of the C files and symbols (default: thermorig_network)")
       ->type_name("NAME");
 }
 
@@ -61,11 +55,9 @@ void add_session_forms(CLI::App& command, ExportOptions& options) {
 }  // namespace
 
 void add_export(CLI::App& root, ExportOptions& options) {
-  CLI::App& command = *root.add_subcommand(
-      "export", "Export sessions, models and the odometer for other programs and boards");
-  command
-      .add_option("FILE", options.file,
-                  "Session (.h5) or folder of sessions, model (.onnx) or profile (.toml)")
+  CLI::App& command =
+      *root.add_subcommand("export", "Export sessions and models for other programs and boards");
+  command.add_option("FILE", options.file, "Session (.h5) or folder of sessions, or model (.onnx)")
       ->required();
   command
       .add_option("-o,--output", options.output,
@@ -85,8 +77,7 @@ void add_export(CLI::App& root, ExportOptions& options) {
       "Examples:\n"
       "  thermorig export session.h5 --npz --nf 3 --mcap -o exported\n"
       "  thermorig export session.h5 --csv=gyro -o - | head\n"
-      "  thermorig export model.onnx --c-header --weights int8 -o firmware/src\n"
-      "  thermorig export rig.toml --odometer -o firmware/src");
+      "  thermorig export model.onnx --c-header --weights int8 -o firmware/src");
 }
 
 }  // namespace thermorig::app

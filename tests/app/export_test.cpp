@@ -100,54 +100,10 @@ TEST_F(Export, RefusesFoldersThatCannotBeWrittenTo) {
   EXPECT_EQ(run("export model.onnx --c-header -o /proc").code, 7);
 }
 
-TEST_F(Export, WritesTheOdometerOfAProfileThatCompiles) {
-  std::ofstream(folder() / "garage.toml") << "name = \"garage\"\n[gyro]\nbias_dps = 1.5\n";
-  const Outcome outcome = run("export garage.toml --odometer --name heading -o board --json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const auto said = outcome.lines()[0];
-  EXPECT_EQ(said["files"].size(), 3U);
-  EXPECT_LE(said["state_bytes"].get<int>() + said["stack_bytes"].get<int>(), 40'000);
-  EXPECT_THAT(text_of("board/heading_rig.h"), HasSubstr("1.5f"));
-  const std::string compile = "cd " + (folder() / "board").string() + " && cc -std=c99 -c heading.c";
-  EXPECT_EQ(std::system(compile.c_str()), 0);
-}
-
-TEST_F(Export, TakesTheOdometersRigFromASessionToo) {
-  const Outcome outcome = run("export " + record_briefly().string() + " --odometer");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  for (const char* part : {"thermorig_odometer_rig.h", "RAM", "flash"})
-    EXPECT_THAT(outcome.out, HasSubstr(part));
-}
-
-TEST_F(Export, RefusesAnOdometerThatDoesNotFitOrIsNotAlone) {
-  std::ofstream(folder() / "tele.toml") << "[camera]\nfield_of_view_deg = 12.0\n";
-  const Outcome outcome = run("export tele.toml --odometer");
+TEST_F(Export, SaysWhatIsLeftForABoardWhereTheOdometerIsAskedFor) {
+  const Outcome outcome = run("export garage.toml --odometer -o board");
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("30 to 115 degrees"));
-  std::ofstream(folder() / "rig.toml") << "name = \"rig\"\n";
-  EXPECT_EQ(run("export rig.toml --odometer --batch 1").code, 2);
-  EXPECT_EQ(run("export rig.toml --odometer --c-header").code, 2);
-  EXPECT_EQ(run("export model.onnx --odometer").code, 2);
-  EXPECT_EQ(run("export nothing.toml --odometer").code, 2);
-  EXPECT_TRUE(files(".c").empty());
-}
-
-TEST_F(Export, RefusesAnOdometerOfAFileThatIsNoProfileOrSaysNothing) {
-  std::ofstream(folder() / "zero.map") << "";
-  std::ofstream(folder() / "comment.toml") << "# nothing yet\n";
-  for (const char* file : {"zero.map", "comment.toml"}) {
-    const Outcome outcome = run("export " + std::string(file) + " --odometer -o board");
-    EXPECT_EQ(outcome.code, 2) << file;
-    EXPECT_THAT(outcome.err, HasSubstr("this rig profile says nothing: there is no key in it")) << file;
-  }
-  std::ofstream(folder() / "kitchen.map") << "THRMAP01\xff";
-  for (const auto& [file, kind] : {std::pair{"kitchen.map", "map"}, {"model.onnx", "model"}}) {
-    const Outcome outcome = run("export " + std::string(file) + " --odometer -o board");
-    EXPECT_EQ(outcome.code, 2) << file;
-    EXPECT_THAT(outcome.err,
-                HasSubstr("--odometer takes a rig profile or a session, and this is a " + std::string(kind)));
-  }
-  EXPECT_TRUE(files(".c").empty());
+  EXPECT_THAT(outcome.err, HasSubstr("for a board there is the network: export MODEL --c-header"));
 }
 
 TEST_F(Export, MakesFilesOfASessionBesideEachOtherAndOverwritesNone) {

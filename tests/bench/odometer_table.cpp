@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How the odometer does on simulated rigs in virtual time, against the true shaft.
-// Usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT] [--board]
+// Usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,6 @@
 #include <string_view>
 #include <vector>
 
-#include "embedded/board_odometer.h"
 #include "odometer_judge.h"
 #include "odometer_lens.h"
 #include "odometer_recording.h"
@@ -249,11 +248,6 @@ std::vector<Row> rows_of(const TableOptions& options) {
   return rows;
 }
 
-Judged board_of(const OdometerRecording& recording) {
-  const auto board = std::make_shared<tests::BoardOdometer>(recording.profile);
-  return [board](const Measurement& one) { return board->add(one.frame, one.gyro); };
-}
-
 void judge_row(const OdometerRecording& recording, BeginJudged begin, Row& row) {
   const JudgedRun& run = row.stress.run;
   row.judgement = judge(recording, run, begin(recording));
@@ -265,21 +259,18 @@ void judge_row(const OdometerRecording& recording, BeginJudged begin, Row& row) 
 
 int main(int count, char** arguments) {
   using namespace thermorig::bench;
-  const auto options = table_options(
-      count, arguments, "odometer_table [--json] [--first-seed N] [--quick] [--only TEXT] [--board]");
+  const auto options =
+      table_options(count, arguments, "odometer_table [--json] [--first-seed N] [--quick] [--only TEXT]");
   if (!options) return 2;
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Row> rows = rows_of(*options);
-  std::erase_if(rows, [&](const Row& row) {
-    const bool has_lens = row.is_typical || row.is_lens;  // which the board's odometer refuses
-    return row.name.find(options->only) == std::string::npos || (options->board && has_lens);
-  });
+  std::erase_if(rows, [&](const Row& row) { return row.name.find(options->only) == std::string::npos; });
   thermorig::on_all_cores(rows.size(), [&](std::size_t i) {
     Row& row = rows[i];
     if (row.is_lens || row.is_typical) row.lens = calibrate_lens(row.recorded);
     if (row.is_lens) return;
     if (row.is_typical) row.recorded.calibrated = row.lens.profile;
-    judge_row(record(row.recorded), options->board ? board_of : odometer_of, row);
+    judge_row(record(row.recorded), odometer_of, row);
   });
   std::vector<Figure> figures;
   for (const Row& row : rows) {

@@ -3,8 +3,7 @@
 # How the odometer does: 24 simulated rigs with a raw gyro (6 gyros x 4 environments, plan "paper"), started in motion, and
 # 19 stresses, 24 rigs of the world "typical" after `calibrate lens`, an hour, and 24 lenses, by causal clocks against the
 # true shaft; each figure with what it must meet. --quick: 4 rigs, no stress.
-# --board: the odometer that `export --odometer` writes, compiled for this machine; it refuses a lens that was calibrated.
-# Usage: bash tests/bench/odometer_table.sh [--json] [--first-seed N] [--quick] [--only TEXT] [--board]
+# Usage: bash tests/bench/odometer_table.sh [--json] [--first-seed N] [--quick] [--only TEXT]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 build=${THERMORIG_BUILD:-build-bench}

@@ -132,8 +132,6 @@ std::optional<TableOptions> table_options(int count, char** arguments, std::stri
       options.json = true;
     else if (is_flag && word == "--quick")
       options.quick = true;
-    else if (is_flag && word == "--board")
-      options.board = true;
     else if (is_option && word == "--first-seed")
       options.first_seed = std::strtoull(value, nullptr, 10);
     else if (is_option && word == "--only")

@@ -42,13 +42,12 @@ double size_percentile(std::vector<float>& values, double share);
 /// What a table is asked for on the command line.
 struct TableOptions {
   bool json = false, quick = false;
-  bool board = false;  // the odometer that is exported to small boards, compiled for this machine
   std::uint64_t first_seed = 1;
   std::string only;   // of the rows: those whose name has it
   std::string world;  // of the simulated rigs; empty: the table's own
 };
 
-/// The words that stand in `usage`: "name [--json] [--quick] [--board] [--first-seed N] [--only TEXT]
+/// The words that stand in `usage`: "name [--json] [--quick] [--first-seed N] [--only TEXT]
 /// [--world NAME]". At another one nothing, and the usage on standard error. `first_seed`: where none is
 /// named.
 std::optional<TableOptions> table_options(int count, char** arguments, std::string_view usage,

@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <deque>
 #include <fstream>
 #include <limits>
@@ -148,30 +147,6 @@ BoardRun run_on(const Board& board, const embedded::CSource& source, int frames)
   BoardRun run = parsed(file_text(out));
   if (board.object.empty() || !run.failure.empty()) return run;
   run.flash_bytes = compiled_flash(board, folder.path(), name);
-  return run;
-}
-
-OdometerRun run_odometer_on(const Board& board, const board_odometer::OdometerSource& source,
-                            const std::string& recording) {
-  const Folder folder;
-  for (const embedded::SourceFile& file : source.files) std::ofstream(folder.path() / file.name) << file.text;
-  std::ofstream(folder.path() / "input.bin", std::ios::binary) << recording;
-  const std::string header = source.files.front().name, name = header.substr(0, header.size() - 2);
-  const auto out = folder.path() / "out.txt";
-  const std::string compile = fmt::format(
-      "cd {0} && {1} -I. -I{2} -DPAINTED_WORDS=2048 -DODOMETER={3} -DODOMETER_HEADER='\"{3}.h\"' "
-      "-DODOMETER_RIG='\"{3}_rig.h\"' {3}.c {2}/odometer_main.c -o program -lm",
-      folder.path().string(), board.compiler, THERMORIG_SOURCE_DIR "/tests/embedded", name);
-  if (!succeeded(compile, out)) return {.failure = compile + "\n" + file_text(out)};
-  if (!succeeded(fmt::format("cd {} && {} ./program", folder.path().string(), board.runner), out))
-    return {.failure = "it failed: " + file_text(out)};
-  OdometerRun run;
-  std::string word;
-  std::istringstream(file_text(out)) >> word >> run.state_bytes;
-  const std::string said = file_text(folder.path() / "output.bin");
-  run.frames.resize(said.size() / sizeof(OdometerRun::Frame));
-  std::memcpy(run.frames.data(), said.data(), run.frames.size() * sizeof(OdometerRun::Frame));
-  if (!board.object.empty()) run.flash_bytes = compiled_flash(board, folder.path(), name);
   return run;
 }
 

@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "estimators/board_odometer/c99/thermorig_odometer.h"
-#include "thermorig/estimators/board_odometer/odometer_source.h"
 #include "thermorig/network/embedded/c_source.h"
 #include "thermorig/network/estimator.h"
 
@@ -60,23 +58,6 @@ inline constexpr int frames_to_push = 9;
 /// Writes the source into a folder of its own, compiles it with board_main.c and runs it over
 /// `frames_to_push` frames that a generator makes.
 BoardRun run_on(const Board& board, const embedded::CSource& source, int frames);
-
-/// What the exported odometer said of a recording, frame after frame.
-struct OdometerRun {
-  struct Frame {
-    thermorig_odometer_output output;
-    std::uint32_t instructions, stack_bytes;  // on a board that counts them, of the samples before it too
-  };
-  std::string failure;  // what went wrong, empty: nothing
-  std::size_t state_bytes = 0;
-  std::vector<Frame> frames;
-  std::uint64_t flash_bytes = 0;  // with Board::object
-};
-
-/// Compiles the source with odometer_main.c in a folder of its own and runs it over a recording: what
-/// BoardFrame::append_to() wrote of its frames.
-OdometerRun run_odometer_on(const Board& board, const board_odometer::OdometerSource& source,
-                            const std::string& recording);
 
 /// The same frames through network::prepare_frame and network::Estimator.
 std::vector<Speeds> expected_speeds(const model::Model& model);

@@ -2,9 +2,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
-#include "board_room.h"
 #include "boards.h"
 #include "quantised_model.h"
 
@@ -50,43 +47,6 @@ TEST_P(OnACortexM, SpeedsOfInt8WeightsAreTheEstimators) {
     expect_the_same({.frames = 3, .reduction = reduction}, WeightKind::int8, 5e-4F);
 }
 
-/// With a floating-point unit: what it is made for.
-class OdometerOnACortexM : public OnACortexM {};
-
-/// In a room, until it tracks, with a gyro whose noise it hears. Seven minutes:
-/// docs/export.md.
-TEST_P(OdometerOnACortexM, SaysTheSameAsOnThisMachine) {
-  const Core& core = cores[GetParam()];
-  const RigProfile rig;
-  auto all = seen_in(turning_room(45.0));
-  shake(all);
-  const std::string recording = recording_of(all, rig);
-  const board_odometer::OdometerSource source = board_odometer::odometer_source(rig, "odo");
-  const OdometerRun host = run_odometer_on({.compiler = "cc" + std::string(strict_c99)}, source, recording);
-  const OdometerRun board = run_odometer_on(board_of(core), source, recording);
-  ASSERT_TRUE(host.failure.empty()) << host.failure;
-  ASSERT_TRUE(board.failure.empty()) << board.failure;
-  ASSERT_EQ(board.frames.size(), host.frames.size());
-  ASSERT_GT(board.frames.size(), 200U);
-  std::uint32_t instructions = 0, stack_bytes = 0;
-  for (std::size_t i = 0; i < board.frames.size(); ++i) {
-    const thermorig_odometer_output &here = host.frames[i].output, &there = board.frames[i].output;
-    ASSERT_EQ(there.state, here.state) << i;
-    ASSERT_EQ(there.turns, here.turns) << i;
-    ASSERT_NEAR(there.heading_deg, here.heading_deg, 0.01F) << i;
-    instructions = std::max(instructions, board.frames[i].instructions);
-    stack_bytes = std::max(stack_bytes, board.frames[i].stack_bytes);
-  }
-  EXPECT_EQ(board.state_bytes, source.state_bytes);
-  EXPECT_LE(stack_bytes, source.stack_bytes);
-  EXPECT_LE(board.state_bytes + source.stack_bytes, 40'000U);
-  fmt::print("odometer on a {}: flash {} B, RAM {} B and {} B of stack, at most {} instructions a frame\n",
-             core.name, board.flash_bytes, board.state_bytes, stack_bytes, instructions);
-  EXPECT_EQ(board.frames.back().output.state, THERMORIG_ODOMETER_TRACKING);
-  EXPECT_LT(instructions, 10'500'000U);
-}
-
-INSTANTIATE_TEST_SUITE_P(Cores, OdometerOnACortexM, ::testing::Values(0));
 INSTANTIATE_TEST_SUITE_P(Cores, OnACortexM, ::testing::Range<std::size_t>(0, 3));
 
 }  // namespace

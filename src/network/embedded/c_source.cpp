@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cassert>
 #include <map>
 
 #include "facts_text.h"
 #include "network_text.h"
-#include "thermorig/network/embedded/c_text.h"
+#include "thermorig/core/error.h"
 #include "weights_text.h"
 
 namespace thermorig::embedded {
@@ -18,6 +20,55 @@ namespace {
 using Words = std::map<std::string, std::string, std::less<>>;
 
 constexpr std::string_view prefix = "thermorig_network";
+
+constexpr std::size_t longest_name = 48;
+
+// A folder with a file of such a name hides the compiler's own header.
+constexpr std::array<std::string_view, 24> standard_headers{
+    "assert", "complex", "ctype",  "errno",  "fenv",   "float",  "inttypes", "iso646",
+    "limits", "locale",  "math",   "setjmp", "signal", "stdarg", "stdbool",  "stddef",
+    "stdint", "stdio",   "stdlib", "string", "tgmath", "time",   "wchar",    "wctype"};
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+bool is_name(const std::string& name) {
+  const auto allowed = [](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; };
+  return !name.empty() && name.size() <= longest_name && is_letter(name.front()) &&
+         std::all_of(name.begin(), name.end(), allowed) &&
+         std::find(standard_headers.begin(), standard_headers.end(), name) == standard_headers.end();
+}
+
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+}
+
+std::string upper(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return result;
+}
+
+/// Throws Error(bad_usage) if files and symbols of C cannot begin with it.
+void require_name(const std::string& name) {
+  if (is_name(name)) return;
+  throw Error(ExitCode::bad_usage, "files and symbols cannot have this name", name,
+              "letters, digits and _, a letter first, at most 48, and no standard header's name");
+}
+
+/// C whose files and symbols begin with `prefix`, in capitals too, with `name` in its place.
+std::string renamed(std::string_view text, const std::string& name) {
+  std::string result(text);
+  // by way of a word that no name can hold: the name may contain what is replaced
+  replace_all(result, prefix, "@1");
+  replace_all(result, upper(prefix), "@2");
+  replace_all(result, "@1", name);
+  replace_all(result, "@2", upper(name));
+  return result;
+}
 
 /// Puts the words in where the text has them between two @, once: what was put in is not looked at again.
 std::string filled(std::string_view text, const Words& words) {
@@ -81,8 +132,8 @@ CSource c_source(const model::Model& model, WeightKind kind, const std::string& 
   require_name(name);
   const Words words = words_of(model, kind);
   CSource source;
-  source.files.push_back({name + ".h", filled(renamed(network_h, prefix, name), words)});
-  source.files.push_back({name + ".c", filled(renamed(network_c, prefix, name), words)});
+  source.files.push_back({name + ".h", filled(renamed(network_h, name), words)});
+  source.files.push_back({name + ".c", filled(renamed(network_c, name), words)});
   source.files.push_back({name + "_weights.h", weights_text(model, kind)});
   source.constant_bytes = constant_bytes(model, kind);
   source.working_bytes = state_bytes(model, kind == WeightKind::int8);

@@ -10,6 +10,22 @@ namespace thermorig::embedded {
 
 namespace {
 
+constexpr std::size_t longest_comment = 100;
+
+/// Text from outside, which anybody may have written, as a part of a comment of C: it can neither end the
+/// comment nor begin a line.
+std::string comment_safe(std::string_view text) {
+  std::string safe;
+  for (char c : text.substr(0, longest_comment)) {
+    const bool harmless = c >= ' ' && c <= '~' && c != '\\' && c != '?' && c != '@';
+    const bool end_or_begin =
+        !safe.empty() && ((safe.back() == '*' && c == '/') || (safe.back() == '/' && c == '*'));
+    if (end_or_begin) safe += ' ';
+    safe += harmless ? c : '_';
+  }
+  return safe;
+}
+
 /// Lines of a comment.
 std::string comment(const std::vector<std::string>& lines) {
   return fmt::format(" * {}", fmt::join(lines, "\n * "));

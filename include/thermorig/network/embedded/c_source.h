@@ -5,10 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/network/embedded/c_text.h"
 #include "thermorig/network/model/model.h"
 
 namespace thermorig::embedded {
+
+/// A file to be written.
+struct SourceFile {
+  std::string name;
+  std::string text;
+};
 
 enum class WeightKind : unsigned char { float32, int8 };
 
