@@ -53,6 +53,7 @@ const ServoProtocol& servo_protocol() {
                                       .clock = micro_controller_clock,
                                       .message_bytes = SERVO_TELEMETRY_SIZE + frame_bytes_around,
                                       .rate_hz = 1e3 / SERVO_TELEMETRY_PERIOD_MS,
+                                      .shaft_sensor = "AS5600",
                                       .scanner = servo_scanner,
                                       .recognise = recognise_servo,
                                       .greeting = hello,

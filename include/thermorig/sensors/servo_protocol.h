@@ -23,8 +23,9 @@ struct ServoProtocol {
   std::string_view sends;  // in words, many of them
   std::span<const UsualBaud> bauds;
   ClockProperties clock;
-  std::uint64_t message_bytes;  // of one telemetry message, at most
-  double rate_hz;               // telemetry messages a second
+  std::uint64_t message_bytes;    // of one telemetry message, at most
+  double rate_hz;                 // telemetry messages a second
+  std::string_view shaft_sensor;  // what measures the shaft where its messages have ShaftReadings
 
   ServoScanner (*scanner)();
   /// Nothing if the bytes hold fewer than two of its messages.

@@ -51,7 +51,8 @@ struct ServoEvent {
   std::uint32_t mcu_us = 0;
 };
 
-using ServoBody = std::variant<ServoState, ServoWelcome, ServoAck, ServoNack, ServoPong, ServoEvent>;
+using ServoBody =
+    std::variant<ServoState, ServoWelcome, ServoAck, ServoNack, ServoPong, ServoEvent, ShaftReading>;
 
 struct ServoMessage {
   ServoBody body;
