@@ -75,6 +75,11 @@ std::string body_text(const wire::ServoEvent& event) {
   return "event: " + wire::event_text(event);
 }
 
+std::string body_text(const wire::ServoReply& reply) {
+  return fmt::format("answer of {}: {} bytes{}", reply.id, reply.data.size(),
+                     reply.error == 0 ? std::string() : fmt::format(", error {}", reply.error));
+}
+
 nlohmann::json body_json(const ServoState& state) {
   return {{"event", "telemetry"},
           {"mcu_us", state.mcu_us},
@@ -113,6 +118,10 @@ nlohmann::json body_json(const wire::ServoPong& pong) {
 
 nlohmann::json body_json(const wire::ServoEvent& event) {
   return {{"event", "servo_event"}, {"text", wire::event_text(event)}, {"mcu_us", event.mcu_us}};
+}
+
+nlohmann::json body_json(const wire::ServoReply& reply) {
+  return {{"event", "answer"}, {"id", reply.id}, {"error", reply.error}, {"data", reply.data}};
 }
 
 }  // namespace

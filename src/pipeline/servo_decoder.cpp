@@ -7,16 +7,31 @@
 
 namespace thermorig::pipeline {
 
+namespace {
+/// Of the host's microseconds in 32 bits, where a servo has no time of its own.
+constexpr ClockProperties arrival_clock{.tick_s = 1e-6, .wrap_ticks = std::uint64_t{1} << 32U};
+
+ClockProperties clock_of(const ServoProfile& profile) {
+  return sensors::servo_protocol(profile.protocol).clock;
+}
+}  // namespace
+
 ServoDecoder::ServoDecoder(const ServoProfile& profile, const Fits& fits)
     : link_(profile.link),
-      scanner_(sensors::servo_protocol().scanner()),
+      scanner_(sensors::servo_protocol(profile.protocol).scanner(profile)),
       timing_(profile.link),
       final_times_(fits.times[Device::servo]),
       baud_(profile.link.baud),
-      mcu_time_(sensors::servo_protocol().clock),
+      sends_time_(clock_of(profile).sends_time()),
+      mcu_time_(sends_time_ ? clock_of(profile) : arrival_clock),
       pings_(profile.link.baud),
       clock_(profile.link),
       is_causal_(fits.times[Device::servo].empty()) {}
+
+void ServoDecoder::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
+  pings_.sent(bytes, before_write);
+  scanner_.sent(bytes);
+}
 
 std::span<const TimedServo> ServoDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
                                                Streams& out) {
@@ -62,11 +77,13 @@ void ServoDecoder::sort(wire::ServoMessage&& message, Streams& out) {
 
 TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoState& state) {
   const Stamp stamp = timing_.stamp(message.span);
+  const auto arrival_us = static_cast<std::uint32_t>(to_ns(stamp.time) / 1000);
   TimedServo servo{.state = state,
                    .span = message.span,
                    .stamp = stamp,
-                   .mcu_time_us = mcu_time_.unwrap(state.mcu_us, stamp.time),
+                   .mcu_time_us = mcu_time_.unwrap(sends_time_ ? state.mcu_us : arrival_us, stamp.time),
                    .lost_before = std::exchange(was_away_, false) || message.lost_before};
+  if (!sends_time_) servo.state.mcu_us = arrival_us;
   if (is_causal_)
     stamp_by_clock(servo, begun_by(message.span));
   else
