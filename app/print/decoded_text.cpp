@@ -17,6 +17,8 @@ namespace {
 
 constexpr const char* motion_names[] = {"disarmed", "holding", "ramping", "steady", "stopping"};
 constexpr const char* fault_names[] = {"none", "watchdog", "stop byte", "limit", "bad frames"};
+constexpr const char* shaft_status_names[] = {"good", "weak signal", "too strong a signal",
+                                              "nothing to measure", "no answer"};
 
 template <typename Enum, std::size_t count>
 std::string name_in(const char* const (&names)[count], Enum value) {
@@ -80,6 +82,12 @@ std::string body_text(const wire::ServoReply& reply) {
                      reply.error == 0 ? std::string() : fmt::format(", error {}", reply.error));
 }
 
+std::string body_text(const ShaftReading& reading) {
+  return fmt::format(
+      "shaft {:>12.6f} s  {:9.3f} deg{}", reading.mcu_us * 1e-6, reading.angle_deg,
+      reading.status == ShaftStatus::good ? "" : "  " + name_in(shaft_status_names, reading.status));
+}
+
 nlohmann::json body_json(const ServoState& state) {
   return {{"event", "telemetry"},
           {"mcu_us", state.mcu_us},
@@ -122,6 +130,13 @@ nlohmann::json body_json(const wire::ServoEvent& event) {
 
 nlohmann::json body_json(const wire::ServoReply& reply) {
   return {{"event", "answer"}, {"id", reply.id}, {"error", reply.error}, {"data", reply.data}};
+}
+
+nlohmann::json body_json(const ShaftReading& reading) {
+  return {{"event", "shaft"},
+          {"mcu_us", reading.mcu_us},
+          {"angle_deg", reading.angle_deg},
+          {"status", name_in(shaft_status_names, reading.status)}};
 }
 
 }  // namespace

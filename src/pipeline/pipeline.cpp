@@ -39,6 +39,12 @@ struct Pipeline::Stages {
     if (!absent_camera || !absent_camera->has_begun()) add(frames);
   }
 
+  void add_servo(const ServoDecoder::Decoded& decoded) {
+    add(decoded.servo);
+    if (without_labels) return;
+    for (const TimedShaft& reading : decoded.shaft) labeller.add(reading);
+  }
+
   /// The frames whose telemetry and gyro samples are all there.
   std::vector<Measurement> complete(HostTime now) {
     if (absent_camera) add(absent_camera->due(now, streams.stand_ins));
@@ -95,7 +101,7 @@ std::vector<Measurement> Pipeline::feed(Device from, std::span<const std::uint8_
       stages.add(stages.gyro.push(chunk, arrived, stages.streams.gyro));
       break;
     case Device::servo:
-      stages.add(stages.servo.push(chunk, arrived, stages.streams));
+      stages.add_servo(stages.servo.push(chunk, arrived, stages.streams));
       break;
   }
   return stages.complete(arrived);
@@ -133,7 +139,7 @@ std::vector<Measurement> Pipeline::finish() {
   Stages& stages = *stages_;
   stages.add_frames(stages.camera.finish(stages.streams.frames));
   stages.add(stages.gyro.finish(stages.streams.gyro));
-  stages.add(stages.servo.finish(stages.streams));
+  stages.add_servo(stages.servo.finish(stages.streams));
   return stages.measurements.with(stages.labeller.finish());
 }
 

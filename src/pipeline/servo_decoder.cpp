@@ -2,6 +2,7 @@
 #include "servo_decoder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <variant>
 
@@ -11,19 +12,39 @@ namespace {
 /// Of the host's microseconds in 32 bits, where a servo has no time of its own.
 constexpr ClockProperties arrival_clock{.tick_s = 1e-6, .wrap_ticks = std::uint64_t{1} << 32U};
 
-ClockProperties clock_of(const ServoProfile& profile) {
-  return sensors::servo_protocol(profile.protocol).clock;
+const sensors::ServoProtocol& protocol_of(const ServoProfile& profile) {
+  return sensors::servo_protocol(profile.protocol);
 }
+
+/// How fast the host's clock runs by two messages of telemetry, one after the other. Where a reset or an
+/// absence lies between them, as fast as it should.
+double host_s_per_us(const TimedServo& before, const TimedServo& now) {
+  constexpr double most_off = 0.03;
+  const auto us = static_cast<double>(now.mcu_time_us - before.mcu_time_us);
+  const double share = us > 0.0 ? to_s(now.stamp.time - before.stamp.time) / (us * 1e-6) : 0.0;
+  return std::abs(share - 1.0) < most_off ? share * 1e-6 : 1e-6;
+}
+
+/// Readings may lie a little before the telemetry that came before them; the clock may have wrapped.
+std::int64_t since_telemetry_us(const TimedServo& telemetry, std::uint32_t mcu_us,
+                                const ClockProperties& clock) {
+  const auto wrap_us = std::llround(static_cast<double>(clock.wrap_ticks) * clock.tick_s * 1e6);
+  const std::int64_t since_us = (std::int64_t{mcu_us} - telemetry.state.mcu_us) % wrap_us;
+  if (since_us > wrap_us / 2) return since_us - wrap_us;
+  return since_us < -wrap_us / 2 ? since_us + wrap_us : since_us;
+}
+
 }  // namespace
 
 ServoDecoder::ServoDecoder(const ServoProfile& profile, const Fits& fits)
     : link_(profile.link),
-      scanner_(sensors::servo_protocol(profile.protocol).scanner(profile)),
+      scanner_(protocol_of(profile).scanner(profile)),
       timing_(profile.link),
       final_times_(fits.times[Device::servo]),
       baud_(profile.link.baud),
-      sends_time_(clock_of(profile).sends_time()),
-      mcu_time_(sends_time_ ? clock_of(profile) : arrival_clock),
+      sends_time_(protocol_of(profile).clock.sends_time()),
+      mcu_clock_(sends_time_ ? protocol_of(profile).clock : arrival_clock),
+      mcu_time_(mcu_clock_),
       pings_(profile.link.baud),
       clock_(profile.link),
       is_causal_(fits.times[Device::servo].empty()) {}
@@ -33,15 +54,15 @@ void ServoDecoder::sent(std::span<const std::uint8_t> bytes, HostTime before_wri
   scanner_.sent(bytes);
 }
 
-std::span<const TimedServo> ServoDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
-                                               Streams& out) {
+ServoDecoder::Decoded ServoDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
+                                         Streams& out) {
   newest_arrival_ = std::max(newest_arrival_, arrived);
   scanner_.push(chunk, messages_);
   timing_.chunk(scanner_.counters().bytes_received, arrived);
   return take(out);
 }
 
-std::span<const TimedServo> ServoDecoder::finish(Streams& out) {
+ServoDecoder::Decoded ServoDecoder::finish(Streams& out) {
   scanner_.finish(messages_);
   return take(out);
 }
@@ -55,15 +76,16 @@ void ServoDecoder::interrupt(Streams& out) {
   epochs_told_ = 1;
   was_away_ = was_away_ || telemetry_.has_value();
   telemetry_.reset();
+  turns_.restart();
 }
 
-std::span<const TimedServo> ServoDecoder::take(Streams& out) {
-  const std::size_t first = out.servo.size();
+ServoDecoder::Decoded ServoDecoder::take(Streams& out) {
+  const std::size_t first = out.servo.size(), first_reading = out.shaft.size();
   for (wire::ServoMessage& message : messages_) sort(std::move(message), out);
   messages_.clear();
   const auto& epochs = clock_.epochs();
   for (; epochs_told_ < epochs.size(); ++epochs_told_) out.servo_epochs.push_back(epochs[epochs_told_]);
-  return std::span(out.servo).subspan(first);
+  return {std::span(out.servo).subspan(first), std::span(out.shaft).subspan(first_reading)};
 }
 
 void ServoDecoder::sort(wire::ServoMessage&& message, Streams& out) {
@@ -71,7 +93,9 @@ void ServoDecoder::sort(wire::ServoMessage&& message, Streams& out) {
     out.servo.push_back(timed(message, *state));
   else if (const auto* pong = std::get_if<wire::ServoPong>(&message.body))
     out.pongs.push_back(timed(message, *pong));
-  else
+  else if (const auto* reading = std::get_if<ShaftReading>(&message.body)) {
+    if (telemetry_) out.shaft.push_back(timed(message, *reading));  // before it nothing tells its time
+  } else
     out.servo_answers.push_back(std::move(message));
 }
 
@@ -88,8 +112,26 @@ TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoSta
     stamp_by_clock(servo, begun_by(message.span));
   else
     final_times_.put_next(servo.stamp);
+  if (telemetry_) host_s_per_us_ = host_s_per_us(*telemetry_, servo);
   telemetry_ = servo;
   return servo;
+}
+
+/// By the telemetry before it, with which it shares a clock.
+TimedShaft ServoDecoder::timed(const wire::ServoMessage& message, const ShaftReading& reading) {
+  const std::int64_t since_us = since_telemetry_us(*telemetry_, reading.mcu_us, mcu_clock_);
+  TimedShaft shaft{.reading = reading,
+                   .span = message.span,
+                   .stamp = telemetry_->stamp,
+                   .mcu_time_us = telemetry_->mcu_time_us + since_us};
+  shaft.stamp.arrival = timing_.stamp(message.span).arrival;
+  const auto estimate = is_causal_ ? clock_.at(shaft.mcu_time_us) : std::nullopt;
+  if (estimate)
+    put(*estimate, shaft.stamp);
+  else
+    shaft.stamp.time += from_s(static_cast<double>(since_us) * host_s_per_us_);
+  turns_.count(message.lost_before, shaft);
+  return shaft;
 }
 
 TimedPong ServoDecoder::timed(const wire::ServoMessage& message, const wire::ServoPong& pong) {

@@ -9,6 +9,7 @@
 
 #include "final_times.h"
 #include "ping_ledger.h"
+#include "shaft_turns.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -28,11 +29,17 @@ class ServoDecoder {
   /// are only understood with them.
   void sent(std::span<const std::uint8_t> bytes, HostTime before_write);
 
-  /// Appends what the chunk completes to `out` and returns its telemetry.
-  std::span<const TimedServo> push(std::span<const std::uint8_t> chunk, HostTime arrived, Streams& out);
+  /// What a chunk brought.
+  struct Decoded {
+    std::span<const TimedServo> servo;
+    std::span<const TimedShaft> shaft;
+  };
+
+  /// Appends what the chunk completes to `out` and returns its telemetry and readings of the shaft.
+  Decoded push(std::span<const std::uint8_t> chunk, HostTime arrived, Streams& out);
 
   /// The stream has ended: the telemetry that waited for the bytes behind it.
-  std::span<const TimedServo> finish(Streams& out);
+  Decoded finish(Streams& out);
 
   /// The servo is away: what it sends from here on is another stream of a clock anew.
   void interrupt(Streams& out);
@@ -40,10 +47,11 @@ class ServoDecoder {
   const wire::Counters& counters() const { return scanner_.counters(); }
 
  private:
-  std::span<const TimedServo> take(Streams& out);
+  Decoded take(Streams& out);
   void sort(wire::ServoMessage&& message, Streams& out);
   TimedServo timed(const wire::ServoMessage& message, const ServoState& state);
   TimedPong timed(const wire::ServoMessage& message, const wire::ServoPong& pong);
+  TimedShaft timed(const wire::ServoMessage& message, const ShaftReading& reading);
   void stamp_by_clock(TimedServo& servo, HostTime not_after);
   void learn(const TimedPong& pong, HostTime not_after);
   HostTime begun_by(const StreamSpan& span) const;
@@ -55,12 +63,15 @@ class ServoDecoder {
   std::uint32_t baud_;
   HostTime newest_arrival_{HostTime::min()};
   bool sends_time_;  // else its time is that of arrivals
+  ClockProperties mcu_clock_;
   timing::McuTime mcu_time_;
   PingLedger pings_;
   timing::PingClock clock_;
-  bool is_causal_;                            // without final times: the clock is learnt on the way
-  std::size_t epochs_told_ = 1;               // the first is no event
-  std::optional<TimedServo> telemetry_;       // the newest
+  bool is_causal_;                       // without final times: the clock is learnt on the way
+  std::size_t epochs_told_ = 1;          // the first is no event
+  std::optional<TimedServo> telemetry_;  // the newest
+  double host_s_per_us_ = 1e-6;          // of the servo's clock, by the newest two
+  ShaftTurns turns_;
   bool was_away_ = false;                     // since then
   std::vector<wire::ServoMessage> messages_;  // empty between calls; kept for its memory
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 
@@ -20,6 +21,8 @@ using dynamixel::Bytes;
 
 constexpr std::size_t ping_answer_bytes = 3;  // model, firmware
 constexpr double milliseconds_us = 1000.0;
+constexpr std::uint64_t before_position =
+    dynamixel::around_parameters - 1 + dynamixel::at::present_position - dynamixel::telemetry_begin;
 
 /// A register's place within telemetry.
 constexpr std::size_t in_telemetry(std::uint16_t address) {
@@ -56,13 +59,28 @@ ServoState servo_state(Bytes telemetry, std::uint16_t leg) {
   return state;
 }
 
+/// A count is as uncertain as its step, and as what the shaft turns within a tick of the clock.
+ShaftReading shaft_reading(Bytes telemetry, const ServoState& state) {
+  const double count_deg = dynamixel::position_deg / std::sqrt(12.0);
+  const double tick_deg = state.rate_dps * 1e-6 * milliseconds_us / std::sqrt(12.0);
+  return {.mcu_us = state.mcu_us,
+          .angle_deg = angle_deg(telemetry, dynamixel::at::present_position),
+          .turn_deg = 0.0,
+          .uncertainty_deg = static_cast<float>(std::hypot(count_deg, tick_deg))};
+}
+
 struct ServoContent {
   using Message = wire::ServoMessage;
   FrameKind kind = FrameKind::reply;
   std::optional<wire::ServoBody> body = {};
+  std::optional<ShaftReading> shaft = {};
 
   void append_to(std::vector<Message>& out, const StreamSpan& span, bool gap) && {
-    if (body) out.push_back({.body = *std::move(body), .span = span, .lost_before = gap});
+    if (!body) return;
+    // Two messages have no byte in common.
+    const StreamSpan telling{span.begin, shaft ? span.begin + before_position : span.end};
+    out.push_back({.body = *std::move(body), .span = telling, .lost_before = gap});
+    if (shaft) out.push_back({.body = *shaft, .span = {telling.end, span.end}, .lost_before = gap});
   }
 };
 
@@ -97,8 +115,10 @@ class DynamixelFraming {
     last_id_ = packet.id;
     if (size == ping_answer_bytes) return {.body = welcome(packet)};
     if (packet.id != id_) return {};
-    if (size == dynamixel::telemetry_bytes)
-      return {.kind = FrameKind::sample, .body = servo_state(packet.parameters, read_leg_)};
+    if (size == dynamixel::telemetry_bytes) {
+      const ServoState state = servo_state(packet.parameters, read_leg_);
+      return {.kind = FrameKind::sample, .body = state, .shaft = shaft_reading(packet.parameters, state)};
+    }
     return {.body = wire::ServoReply{packet.id, packet.error, std::move(packet.parameters)}};
   }
   void restart() { noted_leg_ = read_leg_ = 0; }
@@ -183,6 +203,7 @@ ServoProtocol dynamixel_servo() {
           .message_bytes = dynamixel::telemetry_bytes + status_around,
           .rate_hz = polls_hz,
           .longest_gap_s = 0.12,  // a host that is busy for so long has told it nothing else meanwhile
+          .shaft_sensor = "Dynamixel",
           .scanner = dynamixel_scanner,
           .recognise = recognise_dynamixel,
           .greeting = ping_all,

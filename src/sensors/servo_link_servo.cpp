@@ -56,6 +56,7 @@ ServoProtocol servo_link_servo() {
           .message_bytes = SERVO_TELEMETRY_SIZE + frame_bytes_around,
           .rate_hz = 1e3 / SERVO_TELEMETRY_PERIOD_MS,
           .longest_gap_s = 0.05,
+          .shaft_sensor = "AS5600",
           .scanner = servo_scanner,
           .recognise = recognise_servo,
           .greeting = hello,

@@ -67,7 +67,6 @@ TEST_P(EachBusServo, DrivesAPlanAndItsTelemetryCarriesTheLegs) {
   ASSERT_EQ(session.raw.legs.size(), 4U);
   constexpr double half_a_unit_dps = 0.69;
   for (const LegRecord& leg : session.raw.legs) {
-    EXPECT_TRUE(leg.complete);
     EXPECT_TRUE(std::any_of(session.samples.begin(), session.samples.end(),
                             [&](const LabelledSample& sample) {
                               return sample.leg == leg.leg && sample.valid &&

@@ -30,9 +30,26 @@ void expect_described(const char* file, const sensors::ServoScanner& scanner) {
     const Fields fields = fields_in(vector);
     const auto scan = scan_any_chunking<wire::ServoMessage>(scanner, vector.bytes, Stream::ends);
     expect_counters(scan.counters, fields, "telemetry");
-    ASSERT_EQ(scan.messages.size(),
-              count_in(fields, "telemetry") + count_in(fields, "welcomes") + count_in(fields, "answers"));
-    const auto& state = std::get<ServoState>(scan.messages.back().body);
+    const auto count = [&](auto is_so) {
+      return static_cast<std::uint64_t>(std::count_if(scan.messages.begin(), scan.messages.end(), is_so));
+    };
+    const auto is_state = [](const auto& message) {
+      return std::holds_alternative<ServoState>(message.body);
+    };
+    const auto is_shaft = [](const auto& message) {
+      return std::holds_alternative<ShaftReading>(message.body);
+    };
+    EXPECT_EQ(count(is_state), count_in(fields, "telemetry"));
+    EXPECT_EQ(scan.messages.size() - count(is_state) - count(is_shaft),
+              count_in(fields, "welcomes") + count_in(fields, "answers"));
+    if (count(is_shaft) > 0) {
+      EXPECT_EQ(count(is_shaft), count_in(fields, "telemetry"));
+      EXPECT_NEAR(std::get<ShaftReading>(scan.messages.back().body).angle_deg,
+                  std::stod(fields.at("shaft_deg")), 1e-9);
+    }
+    const auto last = std::find_if(scan.messages.rbegin(), scan.messages.rend(), is_state);
+    ASSERT_NE(last, scan.messages.rend());
+    const auto& state = std::get<ServoState>(last->body);
     EXPECT_NEAR(state.angle_deg, std::stod(fields.at("angle_deg")), 1e-9);
     EXPECT_NEAR(state.rate_dps, std::stod(fields.at("rate_dps")), 1e-9);
     EXPECT_EQ(state.mcu_us, count_in(fields, "mcu_us"));
@@ -122,8 +139,9 @@ TEST(Dynamixel, TelemetryBelongsToTheLegThatWasNotedBeforeItWasAskedFor) {
     scanner.sent(dynamixel::read(1, dynamixel::telemetry_begin, dynamixel::telemetry_bytes));
   };
   const auto leg = [&] {
+    messages.clear();
     scanner.push(telemetry, messages);
-    return std::get<ServoState>(messages.back().body).leg;
+    return std::get<ServoState>(messages.front().body).leg;
   };
   ask();
   scanner.sent(dynamixel::note(515));

@@ -58,7 +58,9 @@ def check_groups(file, frames):
               "samples/rate_commanded_half": (frames, 2), "samples/rate_gyro_half": (frames, 2),
               "samples/gyro_spread": (frames,), "samples/rate_commanded_uncertainty": (frames,),
               "samples/rate_corrected": (frames,), "samples/rate_corrected_uncertainty": (frames,),
-              "samples/rate_corrected_half": (frames, 2)}
+              "samples/rate_corrected_half": (frames, 2), "samples/angle_measured": (frames,),
+              "samples/rate_measured": (frames,), "samples/rate_measured_half": (frames, 2),
+              "samples/rate_measured_uncertainty": (frames,)}
     for name, shape in shapes.items():
         if file[name].shape != shape:
             yield f"{name} has shape {file[name].shape}, not {shape}"
@@ -154,7 +156,7 @@ def check_types(file):
 
 def check_root(file):
     expected = {"NX_class": "NXroot", "default": "samples", "format": "thermorig-session",
-                "format_version": "2.4.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
+                "format_version": "2.5.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
                 "Conventions": "CF-1.10", "start_time": "2026-07-25T14:35:59.900001Z",
                 "time_reference": "2026-07-25T14:35:59.900001Z"}
     for name, value in expected.items():
@@ -163,7 +165,8 @@ def check_root(file):
     names = []
     file.id.links.iterate(lambda name: names.append(name.decode()), idx_type=h5py.h5.INDEX_CRT_ORDER)
     live = ["estimates"] if "estimates" in file else []
-    if names != ["camera", "gyro", "servo", "sync", "samples", *live, "events", "environment", "rig", "quality", "raw"]:
+    shaft = ["shaft"] if "shaft" in file else []
+    if names != ["camera", "gyro", "servo", *shaft, "sync", "samples", *live, "events", "environment", "rig", "quality", "raw"]:
         yield f"groups in the order of creation: {names}"
     if file["environment"].attrs["difficulty"] != "high":
         yield "the garden is not marked as difficult"

@@ -56,6 +56,14 @@ inline bool same(const TimedServo& a, const TimedServo& b) {
          a.lost_before == b.lost_before;
 }
 
+inline bool same(const TimedShaft& a, const TimedShaft& b) {
+  const auto &x = a.reading, &y = b.reading;
+  return x.mcu_us == y.mcu_us && same(x.angle_deg, y.angle_deg) && same(x.turn_deg, y.turn_deg) &&
+         same(x.uncertainty_deg, y.uncertainty_deg) && x.status == y.status && x.gain == y.gain &&
+         a.span == b.span && same(a.stamp, b.stamp) && a.mcu_time_us == b.mcu_time_us &&
+         same(a.angle_deg, b.angle_deg) && a.lost_before == b.lost_before;
+}
+
 inline bool same(const TimedPong& a, const TimedPong& b) {
   return a.token == b.token && a.receive_us == b.receive_us && a.send_us == b.send_us && a.span == b.span &&
          a.arrival == b.arrival;
@@ -75,6 +83,9 @@ inline bool same(const LabelledSample& a, const LabelledSample& b) {
          same(a.rate_corrected_dps, b.rate_corrected_dps) &&
          same(a.rate_corrected_half_dps, b.rate_corrected_half_dps) &&
          same(a.rate_corrected_uncertainty_dps, b.rate_corrected_uncertainty_dps) &&
+         same(a.angle_measured_deg, b.angle_measured_deg) && same(a.rate_measured_dps, b.rate_measured_dps) &&
+         same(a.rate_measured_half_dps, b.rate_measured_half_dps) &&
+         same(a.rate_measured_uncertainty_dps, b.rate_measured_uncertainty_dps) &&
          same(a.rate_gyro_half_dps, b.rate_gyro_half_dps) && same(a.gyro_spread_dps, b.gyro_spread_dps) &&
          a.leg == b.leg && a.run == b.run && a.valid == b.valid;
 }
@@ -192,6 +203,7 @@ inline std::string difference(const Session& a, const Session& b) {
   if (!same(a.frames, b.frames)) names += "frames ";
   if (!same(a.gyro, b.gyro)) names += "gyro ";
   if (!same(a.servo, b.servo)) names += "servo ";
+  if (!same(a.shaft, b.shaft)) names += "shaft ";
   if (!same(a.pongs, b.pongs)) names += "pongs ";
   if (!same(a.samples, b.samples)) names += "samples ";
   for (const Device device : all_devices)

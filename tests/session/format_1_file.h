@@ -56,9 +56,10 @@ class EditedFile {
   Handle file_;
 };
 
-inline void remove_corrected_label(hid_t file) {
+inline void remove_later_labels(hid_t file) {
   for (const char* name :
-       {"rate_commanded_uncertainty", "rate_corrected", "rate_corrected_half", "rate_corrected_uncertainty"})
+       {"rate_commanded_uncertainty", "rate_corrected", "rate_corrected_half", "rate_corrected_uncertainty",
+        "angle_measured", "rate_measured", "rate_measured_half", "rate_measured_uncertainty"})
     check(H5Ldelete(file, ("/samples/" + std::string(name)).c_str(), H5P_DEFAULT), "remove a column");
 }
 
@@ -70,7 +71,7 @@ class Format1File {
       : profile_(session.raw.header.profile), file_(path) {
     check(H5Ldelete(file_.id(), "/rig/profile", H5P_DEFAULT), "remove the profile");
     move_profile();
-    remove_corrected_label(file_.id());
+    remove_later_labels(file_.id());
     rename_by_shaft();
     const std::string header = tests::format_1_header(session.raw.header);
     replace("/rig", "header_json", header);
@@ -166,20 +167,24 @@ class Format1File {
   EditedFile file_;
 };
 
-/// What came with the corrected label.
-inline void forget_corrected_label(Session& session) {
+/// What came with the corrected label, and with the measured one.
+inline void forget_later_labels(Session& session) {
   const LabelledSample nothing;
   for (LabelledSample& sample : session.samples) {
     sample.rate_commanded_uncertainty_dps = nothing.rate_commanded_uncertainty_dps;
     sample.rate_corrected_dps = nothing.rate_corrected_dps;
     sample.rate_corrected_half_dps = nothing.rate_corrected_half_dps;
     sample.rate_corrected_uncertainty_dps = nothing.rate_corrected_uncertainty_dps;
+    sample.angle_measured_deg = nothing.angle_measured_deg;
+    sample.rate_measured_dps = nothing.rate_measured_dps;
+    sample.rate_measured_half_dps = nothing.rate_measured_half_dps;
+    sample.rate_measured_uncertainty_dps = nothing.rate_measured_uncertainty_dps;
   }
 }
 
 /// What a file of format 1 can hold of a session.
 inline Session format_1_session(Session session) {
-  forget_corrected_label(session);
+  forget_later_labels(session);
   RigProfile& profile = session.raw.header.profile;
   profile = tests::format_1_profile(profile);
   GyroErrors& gyro = session.sync.gyro;
@@ -219,7 +224,7 @@ inline Session format_2_0_session(Session session) {
 inline void write_format_2_0(const std::filesystem::path& path, const Session& session) {
   write_unchecked(path, session);
   const EditedFile file(path);
-  remove_corrected_label(file.id());
+  remove_later_labels(file.id());
   const std::string header =
       get_text_attribute(Handle(H5Gopen2(file.id(), "/rig", H5P_DEFAULT), "open it").get(), "header_json");
   file.replace("/", "format_version", "2.0.0");

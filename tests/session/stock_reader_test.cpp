@@ -136,6 +136,7 @@ Session without_what_is_new(Session session) {
   forget(session.frames);
   forget(session.gyro);
   forget(session.servo);
+  forget(session.shaft);
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
   for (auto& frame : session.frames) frame.half = {};
   for (auto& sample : session.samples) {
@@ -144,7 +145,7 @@ Session without_what_is_new(Session session) {
     sample.rate_gyro_half_dps = {unknown, unknown};
     sample.gyro_spread_dps = unknown;
   }
-  forget_corrected_label(session);
+  forget_later_labels(session);
   session.sync = {};
   return session;
 }

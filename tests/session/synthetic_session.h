@@ -20,6 +20,8 @@ class SyntheticSession {
     for (std::size_t i = 0; i < frames; ++i) add_frame(i);
     for (std::size_t i = 0; i < frames * 25; ++i) add_gyro(i);
     for (std::size_t i = 0; i < frames * 12; ++i) add_servo(i);
+    for (std::size_t i = 0; i < frames * 25; ++i) add_shaft(i);
+    if (frames > 0) session_.raw.header.shaft_sensor = "AS5600";
     if (frames > 0) add_extras();
     if (frames > 0) add_sync();
     session_.raw.complete = true;
@@ -161,6 +163,10 @@ class SyntheticSession {
     sample.rate_corrected_dps = sample.rate_shaft_dps + 0.125F;
     sample.rate_corrected_half_dps = {sample.rate_corrected_dps, std::nanf("")};
     sample.rate_corrected_uncertainty_dps = 0.2F;
+    sample.angle_measured_deg = 720.0 + 0.001 * static_cast<double>(i);
+    sample.rate_measured_dps = sample.rate_shaft_dps + 0.0625F;
+    sample.rate_measured_half_dps = {std::nanf(""), sample.rate_measured_dps};
+    sample.rate_measured_uncertainty_dps = 0.1F;
     if (i % 60 < 3) sample.reason_bits = bit(Reason::servo_ramp) | bit(Reason::leg_change);
     sample.valid = sample.reason_bits == 0;
     sample.run = sample.valid ? sample.leg : 0U;
@@ -201,6 +207,22 @@ class SyntheticSession {
     session_.servo.push_back(servo);
     session_.raw.received[Device::servo].append(std::vector<std::uint8_t>(26, random_byte()),
                                                 servo.stamp.arrival);
+  }
+
+  void add_shaft(std::size_t i) {
+    const double time_s = 0.005 * static_cast<double>(i);
+    TimedShaft shaft;
+    shaft.mcu_time_us = (std::int64_t{1} << 32) - 500'000 + static_cast<std::int64_t>(5'000 * i);
+    shaft.reading = {.mcu_us = static_cast<std::uint32_t>(shaft.mcu_time_us),
+                     .angle_deg = 0.0375 * static_cast<double>(i % 9600),
+                     .uncertainty_deg = 0.05F,
+                     .status = i % 50 == 9 ? ShaftStatus::silent : ShaftStatus::good,
+                     .gain = 64};
+    if (has_angle(shaft.reading)) shaft.angle_deg = 0.0375 * static_cast<double>(i) - 3.0;
+    shaft.span = {14 * i, 14 * i + 14};
+    shaft.stamp = {at(time_s), at(time_s + 0.001), 0.00002F, 0.0001F, 0.0002F};
+    shaft.lost_before = i == 0 || i % 91 == 3;
+    session_.shaft.push_back(shaft);
   }
 
   void add_extras() {

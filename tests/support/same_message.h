@@ -57,6 +57,11 @@ inline bool same(const wire::ServoEvent& a, const wire::ServoEvent& b) {
   return a.kind == b.kind && a.detail == b.detail && a.mcu_us == b.mcu_us;
 }
 
+inline bool same(const ShaftReading& a, const ShaftReading& b) {
+  return a.mcu_us == b.mcu_us && a.angle_deg == b.angle_deg && a.turn_deg == b.turn_deg &&
+         a.uncertainty_deg == b.uncertainty_deg && a.status == b.status && a.gain == b.gain;
+}
+
 inline bool same(const wire::ServoReply& a, const wire::ServoReply& b) {
   return a.id == b.id && a.error == b.error && a.data == b.data;
 }

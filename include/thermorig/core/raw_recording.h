@@ -42,6 +42,7 @@ struct RecordingHeader {
   std::string host_name;
   std::string kernel;
   std::string firmware;                     // what the servo answered to hello, empty if unknown
+  std::string shaft_sensor;                 // what measured the shaft, "AS5600"; empty: nothing did
   LiveModel live_model;                     // without a name: no network ran
   std::vector<EstimatorColumn> estimators;  // of a live run, at most most_estimators; else empty
 };

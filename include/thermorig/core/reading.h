@@ -33,6 +33,30 @@ struct ServoState {
   std::uint16_t leg = 0;  // the leg that is being driven, 0 for none (rest, transit)
 };
 
+/// Whether a measured angle of the shaft can be trusted. The numbers are stored in files.
+enum class ShaftStatus : std::uint8_t {
+  good = 0,
+  weak = 1,    // what it measures by is weak: more noise, larger errors
+  strong = 2,  // or so strong that it is distorted
+  absent = 3,  // there is nothing to measure, e.g. no magnet: no angle
+  silent = 4,  // the sensor did not answer: no angle
+};
+inline constexpr ShaftStatus last_shaft_status = ShaftStatus::silent;
+
+/// Where a sensor on the shaft has it, as the device sent it.
+struct ShaftReading {
+  std::uint32_t mcu_us = 0;      // when it was read, by the clock of ServoState::mcu_us
+  double angle_deg = 0.0;        // in the sensor's own direction and from its own zero
+  double turn_deg = 360.0;       // after so much it begins anew at 0; 0: the device counts turns
+  float uncertainty_deg = 0.0F;  // resolution and noise of one reading, one standard deviation
+  ShaftStatus status = ShaftStatus::good;
+  std::uint16_t gain = 0;  // how much the sensor has to amplify, in its own units; 0: not said
+};
+
+inline bool has_angle(const ShaftReading& reading) {
+  return reading.status != ShaftStatus::absent && reading.status != ShaftStatus::silent;
+}
+
 /// The servo was told to stand still: it holds or is disarmed, and its commanded speed is 0.
 inline bool is_at_rest(const ServoState& state) {
   const bool still = state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed;

@@ -65,6 +65,17 @@ struct TimedServo {
   bool lost_before = false;      // the sequence number or skipped bytes show a loss
 };
 
+/// A measured angle of the shaft with its time.
+struct TimedShaft {
+  ShaftReading reading;
+  StreamSpan span;
+  Stamp stamp;
+  std::int64_t mcu_time_us = 0;  // reading.mcu_us unwrapped
+  // Turns counted, direction and errors of the sensor taken off as the profile has them; NaN: no angle.
+  double angle_deg = std::numeric_limits<double>::quiet_NaN();
+  bool lost_before = false;  // readings are missing: turns are counted anew from here on
+};
+
 /// An answer to a ping: the raw material for the servo's clock.
 struct TimedPong {
   std::uint32_t token = 0;
@@ -105,9 +116,16 @@ struct LabelledSample {
   // How far these two may be from the shaft's true speed, one standard deviation; NaN: unknown.
   float rate_commanded_uncertainty_dps = std::numeric_limits<float>::quiet_NaN();
   float rate_corrected_uncertainty_dps = std::numeric_limits<float>::quiet_NaN();
-  std::uint32_t reason_bits = 0;  // `bit(Reason)`s
-  std::uint16_t leg = 0;          // leg that the servo reported, 0 outside legs
-  std::uint32_t run = 0;          // unbroken run of valid frames within one leg, from 1; 0 if not valid
+  // Where the shaft is measured: its angle at `time`, and its mean speed over the exposure and over each
+  // half's, by the sensor alone. NaN: not measured then, or by a sensor that is not believed.
+  double angle_measured_deg = std::numeric_limits<double>::quiet_NaN();
+  float rate_measured_dps = std::numeric_limits<float>::quiet_NaN();
+  std::array<float, 2> rate_measured_half_dps{std::numeric_limits<float>::quiet_NaN(),
+                                              std::numeric_limits<float>::quiet_NaN()};
+  float rate_measured_uncertainty_dps = std::numeric_limits<float>::quiet_NaN();  // one standard deviation
+  std::uint32_t reason_bits = 0;                                                  // `bit(Reason)`s
+  std::uint16_t leg = 0;  // leg that the servo reported, 0 outside legs
+  std::uint32_t run = 0;  // unbroken run of valid frames within one leg, from 1; 0 if not valid
   bool valid = false;
 
   /// Number of the first reason, counted from 1; 0 if there is none.

@@ -41,6 +41,7 @@ struct Streams {
   std::vector<TimedFrame> stand_ins;  // made since: see stand_in_for_camera()
   std::vector<TimedGyro> gyro;
   std::vector<TimedServo> servo;
+  std::vector<TimedShaft> shaft;  // of a shaft that is measured; else empty
   std::vector<TimedPong> pongs;
   std::vector<wire::ServoMessage>
       servo_answers;                     // welcome, ack, nack, event: what the rig's servo link needs

@@ -26,9 +26,10 @@ struct ServoProtocol {
   std::span<const UsualBaud> bauds;
   bool is_silent;  // until it is asked: who speaks unasked at such a baud rate is another device
   ClockProperties clock;
-  std::uint64_t message_bytes;  // of one telemetry message, at most
-  double rate_hz;               // telemetry messages a second
-  double longest_gap_s;         // between two of them; more is a loss
+  std::uint64_t message_bytes;    // of one telemetry message, at most
+  double rate_hz;                 // telemetry messages a second
+  double longest_gap_s;           // between two of them; more is a loss
+  std::string_view shaft_sensor;  // what measures the shaft where its messages have ShaftReadings
 
   /// It is told what is sent to the servo as well, where answers are not to be understood without.
   ServoScanner (*scanner)(const ServoProfile& profile);

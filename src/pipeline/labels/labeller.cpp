@@ -173,6 +173,7 @@ Labeller::Labeller(const LabelConfig& config)
       lag_(from_s(response_.delay_s) + pulse_period),
       command_(PulseScale(config.servo), from_s(config.telemetry_gap_s), from_s(config.history_s)),
       shaft_(config.servo, response_, from_s(config.telemetry_gap_s), from_s(config.history_s)),
+      measured_(from_s(config.history_s)),
       gyro_(from_s(config.history_s)),
       bias_(config.gyro.value_or(assumed_gyro_errors(config.gyro_profile))),
       warm_up_(config.warm_up_k_per_min) {}
@@ -203,7 +204,8 @@ void Labeller::add(const TimedServo& servo) {
 
 bool Labeller::has_all_until(HostTime end) const {
   const bool has_servo = config_.by_gyro || (command_.reaches(end) && shaft_.reaches(end));
-  return has_servo && gyro_.reaches(end);
+  const HostDuration behind = from_s(config_.gyro ? MeasuredTrack::reach_s : 0.0);  // live, nobody waits
+  return has_servo && gyro_.reaches(end) && (!measured_.is_there() || measured_.reaches(end + behind));
 }
 
 std::vector<LabelledSample> Labeller::take(HostTime now) {
@@ -238,6 +240,7 @@ LabelledSample Labeller::label(const PendingFrame& frame) {
     label_halves(sample, frame);
     label_gyro(sample);
   }
+  label_measured(sample, frame);
   const std::uint32_t harmless =
       config_.warm_up_invalidates ? warning_bits & ~bit(Reason::warm_up) : warning_bits;
   sample.valid = (sample.reason_bits & ~harmless) == 0;
@@ -310,13 +313,32 @@ void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) {
     const auto& [begin, end] = frame.half[i];
     std::optional<Half>& half = halves_[i];
     if (!half || half->exposure != frame.half[i])
-      half = Half{frame.half[i], rates(begin, end), gyro_.mean_dps(begin, end)};
+      half = Half{frame.half[i], rates(begin, end), gyro_.mean_dps(begin, end),
+                  measured_.rate_dps(begin, end).value_or(Estimate{unknown, unknown}).value};
     sample.rate_commanded_half_dps[i] = static_cast<float>(half->mean.commanded_dps);
     sample.rate_shaft_half_dps[i] = static_cast<float>(half->mean.model_dps);
     sample.rate_corrected_half_dps[i] = static_cast<float>(half->mean.corrected_dps);
     sample.rate_gyro_half_dps[i] = static_cast<float>(half->gyro_dps);
+    sample.rate_measured_half_dps[i] = static_cast<float>(half->measured_dps);
     if (!has_all_until(end)) half.reset();  // what still comes may tell more of it
   }
+}
+
+void Labeller::label_measured(LabelledSample& sample, const PendingFrame& frame) const {
+  if (const auto angle = measured_.angle_deg(sample.time)) sample.angle_measured_deg = angle->value;
+  const HostTime begin = sample.exposure_begin, end = sample.exposure_end;
+  const auto rate = measured_.rate_dps(begin, end);
+  if (!rate) return;
+  const double time_s = std::hypot(double{frame.stamp.uncertainty_s},
+                                   double{measured_.time_uncertainty_s(end)}, config_.latency_uncertainty_s);
+  double time_dps = 0.0;
+  for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
+    const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
+    const auto moved = measured_.rate_dps(begin + shift, end + shift);
+    if (moved) time_dps = std::fmax(time_dps, std::abs(moved->value - rate->value));
+  }
+  sample.rate_measured_dps = static_cast<float>(rate->value);
+  sample.rate_measured_uncertainty_dps = static_cast<float>(std::hypot(rate->uncertainty, time_dps));
 }
 
 double Labeller::tolerance_dps(const LabelledSample& sample) const {

@@ -11,6 +11,7 @@
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/replay.h"
 #include "thermorig/rig/recording/session_file.h"
+#include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::rig {
@@ -81,6 +82,10 @@ session::Session build_session(RawRecording raw) {
   session.frames = std::move(decoded.streams.frames);
   session.gyro = std::move(decoded.streams.gyro);
   session.servo = std::move(decoded.streams.servo);
+  session.shaft = std::move(decoded.streams.shaft);
+  raw.header.shaft_sensor = session.shaft.empty()
+                                ? std::string_view()
+                                : sensors::servo_protocol(raw.header.profile.servo.protocol).shaft_sensor;
   session.pongs = std::move(decoded.streams.pongs);
   session.samples = std::move(decoded.samples);
   if (raw.header.firmware.empty()) raw.header.firmware = firmware_of(decoded.streams);

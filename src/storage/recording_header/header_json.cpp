@@ -140,6 +140,7 @@ void to_json(nlohmann::json& out, const RecordingHeader& header) {
   if (!header.operator_name.empty()) out["operator"] = header.operator_name;
   if (!header.place.empty()) out["place"] = header.place;
   if (!header.note.empty()) out["note"] = header.note;
+  if (!header.shaft_sensor.empty()) out["shaft_sensor"] = header.shaft_sensor;
   if (!header.live_model.name.empty()) out["live_model"] = header.live_model;
   if (!header.estimators.empty()) out["estimators"] = header.estimators;
 }
@@ -150,6 +151,7 @@ void from_json(const nlohmann::json& in, RecordingHeader& header) {
   keys.later("operator", header.operator_name);
   keys.later("place", header.place);
   keys.later("note", header.note);
+  keys.later("shaft_sensor", header.shaft_sensor);
   keys.later("live_model", header.live_model);
   keys.later("estimators", header.estimators);
 }

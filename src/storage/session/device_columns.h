@@ -216,4 +216,44 @@ void servo_columns(Archive& archive, Rows& servo) {
   span_columns(archive, servo);
 }
 
+/// /shaft: what a sensor on the shaft read.
+template <typename Archive, typename Rows>
+void shaft_columns(Archive& archive, Rows& shaft) {
+  archive.time_axis(
+      {"time", "s", "time since time_reference [s]", "the instant of the reading"}, shaft,
+      [](auto& row) -> auto& { return row.stamp.time; });
+  archive.template field<std::uint32_t>(
+      {"device_ticks", "us", "clock of /servo/device_ticks [us]"}, shaft,
+      [](auto& row) -> auto& { return row.reading.mcu_us; });
+  archive.template field<std::int64_t>({"device_time_us", "us", "the same, unwrapped [us]"}, shaft,
+                                       &TimedShaft::mcu_time_us);
+  archive.template field<double>(
+      {"angle_sent", "deg", "angle as sent [deg]", "the sensor's direction and zero"}, shaft,
+      [](auto& row) -> auto& { return row.reading.angle_deg; });
+  archive.template field<double>(
+      {"turn", "deg", "after so much angle_sent begins anew [deg]", "0: the device counts turns"}, shaft,
+      [](auto& row) -> auto& { return row.reading.turn_deg; });
+  archive.template field<float>(
+      {"angle_uncertainty", "deg", "resolution and noise of one reading [deg]", "standard deviation"}, shaft,
+      [](auto& row) -> auto& { return row.reading.uncertainty_deg; });
+  archive.template field<double>({"angle", "deg", "angle of the shaft [deg]",
+                                  "turns counted, the profile's direction and errors taken off; NaN: none"},
+                                 shaft, &TimedShaft::angle_deg);
+  archive.template column<std::uint8_t>(
+      {"state", "1", "what the sensor says of it", "",
+       flag_values({"good", "weak", "strong", "absent", "silent"})},
+      shaft, [](const auto& row) { return row.reading.status; },
+      [](auto& row, std::uint8_t value) { row.reading.status = checked_enum(value, last_shaft_status); });
+  archive.template field<std::uint16_t>(
+      {"gain", "1", "by how much the sensor has to amplify", "in its own units; 0: not said"}, shaft,
+      [](auto& row) -> auto& { return row.reading.gain; });
+  archive.template column<std::uint8_t>(
+      {"status", "1", "state of the message", "turns are counted anew from it on",
+       flag_masks({"lost_before"})},
+      shaft, [](const auto& row) { return row.lost_before ? 1 : 0; },
+      [](auto& row, std::uint8_t status) { row.lost_before = (status & 1U) != 0; });
+  stamp_columns(archive, shaft);
+  span_columns(archive, shaft);
+}
+
 }  // namespace thermorig::session

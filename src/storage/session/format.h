@@ -18,7 +18,7 @@ struct FormatVersion {
 
 inline constexpr const char* format_name = "thermorig-session";
 inline constexpr const char* licence_not_stated = "not stated";
-inline constexpr FormatVersion format_version{2, 4};  // that is written
+inline constexpr FormatVersion format_version{2, 5};  // that is written
 inline constexpr unsigned first_format_major = 1;     // that is read, whatever the minor version
 
 // What came with which version.
@@ -31,5 +31,6 @@ inline constexpr FormatVersion with_checked_constants{2, 1};  // and how the gyr
 inline constexpr FormatVersion with_corrected_label{2, 2};    // and ripples of the servo
 inline constexpr FormatVersion with_needed_wander{2, 3};      // of a clock
 inline constexpr FormatVersion with_witnesses{2, 4};  // and times of no samples, rates that decay, bad pixels
+inline constexpr FormatVersion with_measured_shaft{2, 5};
 
 }  // namespace thermorig::session

@@ -40,6 +40,11 @@ void half_rate_columns(Archive& archive, Rows& samples) {
     archive.template block<float>({"rate_corrected_half", "deg/s",
                                    "rate_corrected over each half's own exposure [deg/s]", "NaN: unknown"},
                                   half, samples, &LabelledSample::rate_corrected_half_dps);
+  if (archive.version() >= with_measured_shaft)
+    archive.template block<float>(
+        {"rate_measured_half", "deg/s", "rate_measured over each half's own exposure [deg/s]",
+         "NaN: not measured"},
+        half, samples, &LabelledSample::rate_measured_half_dps);
   archive.template block<float>(
       {"rate_gyro_half", "deg/s", "rate_gyro over each half's own exposure [deg/s]", "NaN: no sample"}, half,
       samples, &LabelledSample::rate_gyro_half_dps);
@@ -64,6 +69,21 @@ void corrected_rate_columns(Archive& archive, Rows& samples) {
       {"rate_corrected_uncertainty", "deg/s",
        "standard deviation of rate_corrected against the shaft [deg/s]", "NaN: unknown"},
       samples, &LabelledSample::rate_corrected_uncertainty_dps);
+}
+
+/// What came with format 2.5: the shaft as a sensor on it measures it.
+template <typename Archive, typename Rows>
+void measured_rate_columns(Archive& archive, Rows& samples) {
+  archive.template field<double>({"angle_measured", "deg", "measured angle of the shaft at time [deg]",
+                                  "turns counted; NaN: not measured"},
+                                 samples, &LabelledSample::angle_measured_deg);
+  archive.template field<float>(
+      {"rate_measured", "deg/s", "label: measured mean speed of the shaft over the exposure [deg/s]",
+       "NaN: not measured"},
+      samples, &LabelledSample::rate_measured_dps);
+  archive.template field<float>({"rate_measured_uncertainty", "deg/s",
+                                 "standard deviation of rate_measured [deg/s]", "NaN: not measured"},
+                                samples, &LabelledSample::rate_measured_uncertainty_dps);
 }
 
 /// /samples: one row a frame. Legs are numbered from 1 in the order of the rows of /servo/step_*. Archive is
@@ -135,6 +155,7 @@ void sample_columns(Archive& archive, Rows& samples) {
       &LabelledSample::run);
   if (archive.version() >= with_sync_report) half_rate_columns(archive, samples);
   if (archive.version() >= with_corrected_label) corrected_rate_columns(archive, samples);
+  if (archive.version() >= with_measured_shaft) measured_rate_columns(archive, samples);
   archive.time_column({"exposure_begin", "s", "start of the exposure [s]"}, samples,
                       &LabelledSample::exposure_begin);
   archive.time_column({"exposure_end", "s", "end of the exposure [s]"}, samples,

@@ -306,6 +306,7 @@ class ImageBuilder {
     write_received(Device::servo);
     write_received(Device::gyro);
     write_servo();
+    if (has_shaft()) write_shaft();
     write_received(Device::camera);
     write_camera();
     write_gyro();
@@ -329,7 +330,9 @@ class ImageBuilder {
  private:
   /// In the order in which people look for them, which viewers show.
   void make_groups() {
-    for (const char* path : {"/camera", "/gyro", "/servo", "/sync", "/samples"}) group(path);
+    for (const char* path : {"/camera", "/gyro", "/servo"}) group(path);
+    if (has_shaft()) group("/shaft");
+    for (const char* path : {"/sync", "/samples"}) group(path);
     if (!session_.raw.estimates.empty()) group("/estimates");
     group("/events");
     if (!session_.annotations.empty()) group("/annotations");
@@ -339,6 +342,8 @@ class ImageBuilder {
   GroupWriter group(const char* path) {
     return GroupWriter(file_.get(), path, chunks_, session_.raw.header.time_reference);
   }
+
+  bool has_shaft() const { return !session_.raw.header.shaft_sensor.empty(); }
 
   void write_camera() {
     auto camera = group("/camera");
@@ -360,6 +365,13 @@ class ImageBuilder {
     servo_columns(servo, session_.servo);
     step_columns(servo, session_.raw.legs);
     command_columns(servo, commands_);
+  }
+
+  void write_shaft() {
+    auto shaft = group("/shaft");
+    plot_as(shaft.id(), "angle", {"time"});
+    set_attribute(shaft.id(), "sensor", session_.raw.header.shaft_sensor);
+    shaft_columns(shaft, session_.shaft);
   }
 
   void write_sync() {

@@ -385,6 +385,7 @@ struct Tables {
   typename Keeping::template Rows<TimedFrame> frames;
   typename Keeping::template Rows<TimedGyro> gyro;
   typename Keeping::template Rows<TimedServo> servo;
+  typename Keeping::template Rows<TimedShaft> shaft;
   typename Keeping::template Rows<PingExchange> exchanges;
   typename Keeping::template Rows<LabelledSample> samples;
 };
@@ -400,6 +401,10 @@ Session read_whole(SessionFile& file, Tables<Keeping>& tables) {
   gyro_columns(gyro, tables.gyro);
   auto servo = file.group("/servo");
   servo_columns(servo, tables.servo);
+  if (!session.raw.header.shaft_sensor.empty()) {
+    auto shaft = file.group("/shaft");
+    shaft_columns(shaft, tables.shaft);
+  }
   auto pings = file.group("/sync/servo");
   ping_columns(pings, tables.exchanges);
   if (file.version() >= with_sync_report) read_sync_tables(file, session.sync);
@@ -449,6 +454,7 @@ Session read_all(SessionFile& file) {
   session.frames = std::move(tables.frames);
   session.gyro = std::move(tables.gyro);
   session.servo = std::move(tables.servo);
+  session.shaft = std::move(tables.shaft);
   for (const PingExchange& exchange : tables.exchanges) session.pongs.push_back(exchange.pong);
   session.samples = std::move(tables.samples);
   complete_labels(file.version(), session.samples);

@@ -12,6 +12,7 @@
 #include "thermorig/pipeline/labels/command_track.h"
 #include "thermorig/pipeline/labels/gyro_track.h"
 #include "thermorig/pipeline/labels/label_config.h"
+#include "thermorig/pipeline/labels/measured_track.h"
 #include "thermorig/pipeline/labels/motion_noise.h"
 #include "thermorig/pipeline/labels/running_bias.h"
 #include "thermorig/pipeline/labels/shaft_track.h"
@@ -49,6 +50,10 @@ namespace thermorig::labels {
 ///   rate_commanded_uncertainty, rate_corrected_uncertainty   how far either may be from the true speed: its
 ///                          distance from the model, with the residual of that speed added to it, and time,
 ///                          scale and spread of that residual; NaN where rate_shaft is
+///   angle_measured             by the readings of the shaft around `time` (MeasuredTrack)
+///   rate_measured          (measured angle at the end of E - that at its begin) / length of E; with
+///                          rate_measured_uncertainty, which holds the noise of the readings, by how much the
+///                          shaft strays from an even motion there, and time; NaN where it is not measured
 ///   leg                    reported by the last telemetry at or before `time`, with no gap behind it
 ///
 /// Reasons, with S = [exposure_begin - settling time, exposure_end] and L = E earlier by the response's delay
@@ -98,6 +103,7 @@ class Labeller {
   void add(const TimedFrame& frame);  // all its members must be filled in
   void add(const TimedGyro& gyro) { gyro_.add(gyro); }
   void add(const TimedServo& servo);
+  void add(const TimedShaft& shaft) { measured_.add(shaft); }
 
   /// Frames whose telemetry and gyro samples are all there, or which have waited too long at host time `now`.
   std::vector<LabelledSample> take(HostTime now);
@@ -124,12 +130,14 @@ class Labeller {
     HalfExposure exposure;
     Rates mean;
     double gyro_dps;
+    double measured_dps;
   };
   std::uint32_t frame_reasons(const TimedFrame& frame);
   bool has_all_until(HostTime end) const;
   LabelledSample label(const PendingFrame& frame);
   void label_motion(LabelledSample& sample, const PendingFrame& frame);
   void label_halves(LabelledSample& sample, const PendingFrame& frame);
+  void label_measured(LabelledSample& sample, const PendingFrame& frame) const;
   GyroMean note_gyro(LabelledSample& sample) const;
   void label_by_gyro(LabelledSample& sample, const PendingFrame& frame);
   void label_gyro(LabelledSample& sample);
@@ -155,6 +163,7 @@ class Labeller {
   HostDuration lag_;
   CommandTrack command_;
   ShaftTrack shaft_;
+  MeasuredTrack measured_;
   GyroTrack gyro_;
   RunningBias bias_;
   MotionNoise motion_noise_;

@@ -58,8 +58,8 @@ struct ServoReply {
   std::vector<std::uint8_t> data;  // Dynamixel: parameters; GRBL: the line
 };
 
-using ServoBody =
-    std::variant<ServoState, ServoWelcome, ServoAck, ServoNack, ServoPong, ServoEvent, ServoReply>;
+using ServoBody = std::variant<ServoState, ServoWelcome, ServoAck, ServoNack, ServoPong, ServoEvent,
+                               ShaftReading, ServoReply>;
 
 struct ServoMessage {
   ServoBody body;

@@ -27,6 +27,7 @@ struct Session {
   std::vector<TimedFrame> frames;
   std::vector<TimedGyro> gyro;
   std::vector<TimedServo> servo;
+  std::vector<TimedShaft> shaft;  // empty where RecordingHeader::shaft_sensor is
   std::vector<TimedPong> pongs;
   std::vector<LabelledSample> samples;  // one a frame, same order
   PerDevice<wire::Counters> counters;

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/pipeline/labels/measured_track.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace thermorig::labels {
+
+namespace {
+
+// Either way of an instant, the narrowest first.
+constexpr std::array reaches_s{0.0075, 0.0125, 0.025, MeasuredTrack::reach_s};
+constexpr double longest_silence_s = 0.03;  // an instant further from a reading is not measured
+constexpr std::size_t fewest_points = 3;
+constexpr double line_chance_deviations = 2.0;
+constexpr double bend_chance = 6.0;  // times the variance of a difference
+
+/// A straight line through readings, at an instant.
+struct Line {
+  double angle_deg = 0.0;
+  double own2 = 0.0;     // variance by the noise of the readings
+  double strays2 = 0.0;  // by what readings stray beyond their noise, the shaft strays from a line
+};
+
+template <typename Points>
+std::optional<Line> line_at(const Points& points, HostTime time) {
+  double weight = 0.0, t_mean = 0.0, y_mean = 0.0, noise2 = 0.0;
+  const double zero_deg = points.front().angle_deg;
+  for (const auto& point : points) {
+    weight += 1.0;
+    t_mean += to_s(point.time - time);
+    y_mean += point.angle_deg - zero_deg;
+    noise2 += double{point.uncertainty_deg} * double{point.uncertainty_deg};
+  }
+  t_mean /= weight;
+  y_mean /= weight;
+  noise2 /= weight;
+  double tt = 0.0, ty = 0.0;
+  for (const auto& point : points) {
+    const double t = to_s(point.time - time) - t_mean;
+    tt += t * t;
+    ty += t * (point.angle_deg - zero_deg - y_mean);
+  }
+  if (!(tt > 0.0)) return std::nullopt;
+  const double slope = ty / tt;
+  double left2 = 0.0;
+  for (const auto& point : points) {
+    const double t = to_s(point.time - time) - t_mean;
+    const double left = point.angle_deg - zero_deg - y_mean - slope * t;
+    left2 += left * left;
+  }
+  const double free = weight - 2.0;
+  const double explained2 = noise2 * (1.0 + line_chance_deviations * std::sqrt(2.0 / free));
+  const double strays2 = std::max(0.0, left2 / free - explained2);
+  const double own2 = noise2 * (1.0 / weight + t_mean * t_mean / tt);
+  return Line{zero_deg + y_mean - slope * t_mean, own2, strays2};
+}
+
+/// How far a line is bent that a narrower one was cut from, squared.
+double bent2(const Line& narrow, const Line& wide) {
+  const double apart = wide.angle_deg - narrow.angle_deg;
+  return apart * apart - bend_chance * std::max(0.0, narrow.own2 - wide.own2);
+}
+
+}  // namespace
+
+void MeasuredTrack::add(const TimedShaft& shaft) {
+  if (shaft.lost_before) ++lap_;
+  if (!std::isfinite(shaft.angle_deg)) return;
+  points_.add(
+      {shaft.stamp.time, shaft.angle_deg, shaft.reading.uncertainty_deg, shaft.stamp.uncertainty_s, lap_});
+}
+
+/// By the window around it that says least of its own error. What a wide one differs by from a narrow one,
+/// beyond chance, is how far the motion bends it.
+std::optional<MeasuredTrack::At> MeasuredTrack::at(HostTime time) const {
+  const auto points = points_.all();
+  const std::size_t after = points_.first_at_or_after(time);
+  if (after == 0 || after == points.size()) return std::nullopt;
+  const Point &before = points[after - 1], &next = points[after];
+  const HostDuration silence = from_s(longest_silence_s);
+  if (time - before.time > silence || next.time - time > silence || before.lap != next.lap)
+    return std::nullopt;
+  std::optional<At> best;
+  std::array<Line, reaches_s.size()> narrower;
+  std::size_t count = 0;
+  for (const double reach : reaches_s) {
+    std::size_t first = after, last = after;
+    while (first > 0 && points[first - 1].lap == next.lap && time - points[first - 1].time <= from_s(reach))
+      --first;
+    while (last < points.size() && points[last].lap == next.lap && points[last].time - time <= from_s(reach))
+      ++last;
+    if (last - first < fewest_points) continue;
+    const auto line = line_at(points.subspan(first, last - first), time);
+    if (!line) continue;
+    double bend2 = 0.0;
+    for (std::size_t i = 0; i < count; ++i) bend2 = std::max(bend2, bent2(narrower[i], *line));
+    const double uncertainty_deg = std::sqrt(line->own2 + line->strays2 + bend2);
+    if (!best || uncertainty_deg < best->angle_deg.uncertainty)
+      best = At{{line->angle_deg, uncertainty_deg}, next.lap, next.time_uncertainty_s};
+    narrower[count++] = *line;
+  }
+  return best;
+}
+
+std::optional<Estimate> MeasuredTrack::angle_deg(HostTime time) const {
+  const auto found = at(time);
+  return found ? std::optional(found->angle_deg) : std::nullopt;
+}
+
+std::optional<Estimate> MeasuredTrack::rate_dps(HostTime begin, HostTime end) const {
+  if (!(begin < end)) return std::nullopt;
+  const auto from = at(begin), to = at(end);
+  if (!from || !to || from->lap != to->lap) return std::nullopt;
+  const double length_s = to_s(end - begin);
+  return Estimate{(to->angle_deg.value - from->angle_deg.value) / length_s,
+                  std::hypot(from->angle_deg.uncertainty, to->angle_deg.uncertainty) / length_s};
+}
+
+float MeasuredTrack::time_uncertainty_s(HostTime time) const {
+  const auto points = points_.all();
+  const std::size_t after = points_.first_at_or_after(time);
+  return after < points.size() ? points[after].time_uncertainty_s : 0.0F;
+}
+
+}  // namespace thermorig::labels

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/pipeline/labels/measured_track.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace thermorig::labels {
+namespace {
+
+constexpr double reading_s = 0.005;
+constexpr float noise_deg = 0.05F;
+
+HostTime instant(double seconds) {
+  return HostTime(from_s(seconds));
+}
+
+/// 200 readings a second of a shaft that goes as `angle_deg` says, over `length_s`.
+struct MeasuredShaft {
+  std::function<double(double)> angle_deg;
+  std::function<void(TimedShaft&, double)> spoil = [](TimedShaft&, double) {};
+
+  MeasuredTrack track(unsigned seed, double length_s = 2.0) const {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, noise_deg);
+    MeasuredTrack track(from_s(10.0));
+    for (int i = 0; i * reading_s <= length_s; ++i) {
+      TimedShaft shaft;
+      shaft.stamp.time = instant(i * reading_s);
+      shaft.reading.uncertainty_deg = noise_deg;
+      shaft.angle_deg = angle_deg(i * reading_s) + noise(random);
+      spoil(shaft, i * reading_s);
+      track.add(shaft);
+    }
+    return track;
+  }
+};
+
+/// How far mean speeds over 0.25 s are off on average, over what is stated of them.
+double error_over_stated(const MeasuredShaft& shaft, const std::function<double(double)>& true_deg) {
+  double sum = 0.0;
+  constexpr int trials = 200;
+  for (int trial = 0; trial < trials; ++trial) {
+    const MeasuredTrack track = shaft.track(static_cast<unsigned>(trial), 0.6);
+    const auto rate = track.rate_dps(instant(0.151), instant(0.401)).value();
+    const double error_dps = rate.value - (true_deg(0.401) - true_deg(0.151)) / 0.25;
+    sum += error_dps * error_dps / (rate.uncertainty * rate.uncertainty);
+  }
+  return std::sqrt(sum / trials);
+}
+
+TEST(MeasuredTrack, OfAnEvenMotionItStatesWhatItsNoiseLeaves) {
+  const auto even = [](double t) { return 20.0 * t; };
+  const MeasuredTrack track = MeasuredShaft{even}.track(1);
+  const auto rate = track.rate_dps(instant(0.5), instant(0.75)).value();
+  EXPECT_NEAR(rate.value, 20.0, 0.25);
+  EXPECT_NEAR(rate.uncertainty, std::sqrt(2.0) * 0.05 / std::sqrt(20.0) / 0.25, 0.02);
+  EXPECT_NEAR(error_over_stated({even}, even), 1.0, 0.25);
+}
+
+TEST(MeasuredTrack, OfAShaftThatSticksAndSlipsItStatesMore) {
+  const auto jerky = [](double t) { return 20.0 * t - 0.5 * std::sin(40.0 * t); };  // it all but stops
+  const MeasuredTrack track = MeasuredShaft{jerky}.track(1);
+  EXPECT_NEAR(track.rate_dps(instant(0.5), instant(0.7)).value().value, 20.0, 3.0);
+  const double ratio = error_over_stated({jerky}, jerky);
+  EXPECT_LT(ratio, 1.3);
+  EXPECT_GT(ratio, 0.3);
+}
+
+TEST(MeasuredTrack, ASilenceOrTurnsThatWereCountedAnewLeaveNoSpeed) {
+  const auto even = [](double t) { return 100.0 * t; };
+  MeasuredShaft shaft{even};
+  shaft.spoil = [](TimedShaft& reading, double t) {
+    if (t > 0.5 && t < 0.6) reading.angle_deg = std::nan("");
+    reading.lost_before = std::abs(t - 1.0) < 1e-9;
+  };
+  const MeasuredTrack track = shaft.track(1);
+  EXPECT_FALSE(track.angle_deg(instant(0.55)));
+  EXPECT_FALSE(track.rate_dps(instant(0.3), instant(0.55)));
+  EXPECT_TRUE(track.rate_dps(instant(0.45), instant(0.65)));  // no turn was missed meanwhile
+  EXPECT_FALSE(track.rate_dps(instant(0.9), instant(1.1)));
+  EXPECT_FALSE(track.angle_deg(instant(0.9975)));
+  EXPECT_TRUE(track.rate_dps(instant(1.1), instant(1.2)));
+  EXPECT_FALSE(track.rate_dps(instant(1.9), instant(2.5)));  // nothing was read by then
+}
+
+}  // namespace
+}  // namespace thermorig::labels
