@@ -18,6 +18,7 @@
 #include "thermorig/rig/setup/setup.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::app {
 
@@ -334,6 +335,10 @@ void add_decode(CLI::App& root, Words& words) {
                     "Protocol of the gyro, or the sketch whose lines it prints: xsens, adafruit-mpu6050, ... "
                     "(default: detected)")
         ->check(known_name(sensors::gyro_names()))
+        ->type_name("NAME");
+    command
+        .add_option("--servo-protocol", decode.servo_protocol, "Protocol of the servo (default: detected)")
+        ->check(one_of(sensors::servo_protocol_names()))
         ->type_name("NAME");
     command
         .add_option("--gyro-setting", decode.gyro_settings,

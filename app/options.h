@@ -32,7 +32,8 @@ struct RigOptions {
   PerDevice<std::string> ports;                 // empty: from the profile
   std::string profile;                          // name or file, empty: none
   SimulatedParts parts;
-  std::string gyro_protocol;  // or a sketch; empty: the profile's
+  std::string gyro_protocol;   // or a sketch; empty: the profile's
+  std::string servo_protocol;  // empty: the profile's
   std::optional<std::uint32_t> camera_baud, gyro_baud, servo_baud;
   std::optional<double> camera_rate_hz;
   bool no_servo = false;  // nobody commands what turns the rig, whatever the profile says
@@ -189,10 +190,10 @@ struct ReprocessOptions {
 
 struct DecodeOptions {
   Device device = Device::camera;
-  std::string file;                            // "-": standard input
-  std::string camera_protocol, gyro_protocol;  // empty: what is recognised
-  std::string gyro_sketch;                     // of lines of text; empty: none named
-  std::vector<std::string> gyro_settings;      // NAME=NUMBER
+  std::string file;                                            // "-": standard input
+  std::string camera_protocol, gyro_protocol, servo_protocol;  // empty: what is recognised
+  std::string gyro_sketch;                                     // of lines of text; empty: none named
+  std::vector<std::string> gyro_settings;                      // NAME=NUMBER
   std::vector<int> columns{0, 1, 2};
   std::string prefix;
   double scale_dps = 1.0;

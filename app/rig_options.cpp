@@ -13,6 +13,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/core/nearest_name.h"
 #include "thermorig/sensors/gyro_sketch.h"
+#include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/simulation/panorama.h"
 
 namespace thermorig::app {
@@ -85,8 +86,8 @@ CLI::Validator not_negative() {
 void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
   command
       .add_option("--simulated-servo", parts.servo,
-                  "Servo: winch (6 turns, default), 180, 270 (degrees), continuous")
-      ->check(one_of({"winch", "180", "270", "continuous"}))
+                  "Servo: winch (6 turns, default), 180, 270 (degrees), continuous, dynamixel, grbl")
+      ->check(one_of({"winch", "180", "270", "continuous", "dynamixel", "grbl"}))
       ->type_name("KIND");
   command
       .add_option(
@@ -200,6 +201,12 @@ void add_rig(CLI::App& command, RigOptions& rig) {
             "What the gyro speaks, or the sketch whose lines it prints, at its usual rate: vectornav, "
             "adafruit-mpu6050, ... (default: the profile's)")
         ->check(known_name(sensors::gyro_names()))
+        ->type_name("NAME");
+    command
+        .add_option("--servo-protocol", rig.servo_protocol,
+                    "What the servo speaks: servo-link (a board with this program's firmware), dynamixel or "
+                    "grbl, at its usual baud rate (default: the profile's)")
+        ->check(known_name(sensors::servo_protocol_names()))
         ->type_name("NAME");
     command.add_option("--camera-baud", rig.camera_baud, "Baud rate of the camera (default: the profile's)")
         ->type_name("N");

@@ -77,6 +77,11 @@ std::string body_text(const wire::ServoEvent& event) {
   return "event: " + wire::event_text(event);
 }
 
+std::string body_text(const wire::ServoReply& reply) {
+  return fmt::format("answer of {}: {} bytes{}", reply.id, reply.data.size(),
+                     reply.error == 0 ? std::string() : fmt::format(", error {}", reply.error));
+}
+
 std::string body_text(const ShaftReading& reading) {
   return fmt::format(
       "shaft {:>12.6f} s  {:9.3f} deg{}", reading.mcu_us * 1e-6, reading.angle_deg,
@@ -121,6 +126,10 @@ nlohmann::json body_json(const wire::ServoPong& pong) {
 
 nlohmann::json body_json(const wire::ServoEvent& event) {
   return {{"event", "servo_event"}, {"text", wire::event_text(event)}, {"mcu_us", event.mcu_us}};
+}
+
+nlohmann::json body_json(const wire::ServoReply& reply) {
+  return {{"event", "answer"}, {"id", reply.id}, {"error", reply.error}, {"data", reply.data}};
 }
 
 nlohmann::json body_json(const ShaftReading& reading) {

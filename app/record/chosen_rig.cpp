@@ -8,6 +8,7 @@
 #include "thermorig/io/port.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
+#include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/simulation/panorama.h"
 #include "thermorig/storage/recording_header/profile_fields.h"
 
@@ -75,6 +76,7 @@ void check_ports_differ(const RigProfile& profile) {
 
 void apply(const RigOptions& options, RigProfile& profile) {
   if (!options.gyro_protocol.empty()) sensors::choose_gyro(options.gyro_protocol, profile.gyro);
+  if (!options.servo_protocol.empty()) sensors::choose_servo(options.servo_protocol, profile.servo);
   for (Device device : all_devices)
     if (!options.ports[device].empty()) profile.link(device).port = options.ports[device];
   if (options.camera_baud) profile.camera.link.baud = *options.camera_baud;
@@ -99,6 +101,17 @@ ServoProfile simulated_servo(const std::string& kind, ServoProfile servo) {
     servo.kind = ServoKind::continuous;
     servo.travel_deg = 0;
     servo.full_rate_dps = 300;
+    return servo;
+  }
+  if (kind == "dynamixel") {
+    sensors::choose_servo("dynamixel", servo);
+    servo.model = "Dynamixel XL330, 6 turns of cable";
+    servo.link.baud = 1'000'000;
+    return servo;
+  }
+  if (kind == "grbl") {
+    sensors::choose_servo("grbl", servo);
+    servo.model = "stepper, GRBL 1.1, 6 turns of cable";
     return servo;
   }
   servo.model = "positional, " + kind + " degrees";

@@ -52,6 +52,7 @@ nlohmann::json json_of(const PortFinding& finding) {
                         {"problem", finding.problem},        {"advice", finding.advice}};
   object["role"] = finding.role ? nlohmann::json(name_of(*finding.role)) : nlohmann::json();
   if (finding.role == Device::gyro) object["gyro_protocol"] = finding.protocol;
+  if (finding.role == Device::servo) object["servo_protocol"] = finding.protocol;
   if (finding.text_format) object["text_format"] = format_json(*finding.text_format);
   return object;
 }

@@ -154,7 +154,8 @@ class LookedAtGyro : public LookedAt {
 /// Its firmware and what it does; it is told nothing but hello, and nothing moves.
 class LookedAtServo : public LookedAt {
  public:
-  LookedAtServo() : scanner_(sensors::servo_protocol().scanner()) {}
+  LookedAtServo(std::string_view protocol, const ServoProfile& profile)
+      : protocol_(sensors::servo_protocol(protocol)), scanner_(protocol_.scanner(profile)) {}
 
   std::size_t push(std::span<const std::uint8_t> bytes, HostTime) override {
     scanner_.push(bytes, messages_);
@@ -166,7 +167,8 @@ class LookedAtServo : public LookedAt {
     return std::exchange(messages_, {}).size();
   }
   std::string line(double span_s) const override {
-    std::string text = firmware_.empty() ? "no answer to hello yet" : "firmware " + firmware_;
+    std::string text = firmware_.empty() ? fmt::format("no answer to {} yet", protocol_.greeted_as)
+                                         : "firmware " + firmware_;
     if (state_)
       text += fmt::format("  {:.0f} messages/s  {}  {:+.1f} deg  {:+.1f} deg/s",
                           static_cast<double>(count_) / span_s, is_at_rest(*state_) ? "at rest" : "moving",
@@ -183,6 +185,7 @@ class LookedAtServo : public LookedAt {
   std::uint64_t damaged() const override { return damaged_messages(scanner_.counters()); }
 
  private:
+  const sensors::ServoProtocol& protocol_;
   sensors::ServoScanner scanner_;
   std::vector<wire::ServoMessage> messages_;
   std::string firmware_;
@@ -208,7 +211,7 @@ RigProfile profile_of(const rig::PortFinding& finding) {
 
 std::unique_ptr<LookedAt> look_at(const rig::PortFinding& finding, const RigProfile& profile) {
   if (finding.role == Device::camera) return std::make_unique<LookedAtCamera>(profile.camera);
-  if (finding.role == Device::servo) return std::make_unique<LookedAtServo>();
+  if (finding.role == Device::servo) return std::make_unique<LookedAtServo>(finding.protocol, profile.servo);
   return std::make_unique<LookedAtGyro>(profile.gyro,
                                         !finding.text_format || finding.text_format->scale_known);
 }
@@ -277,7 +280,7 @@ class Look {
 
  private:
   sensors::Commands requests() const {
-    if (finding_.role == Device::servo) return {sensors::servo_protocol().greeting()};
+    if (finding_.role == Device::servo) return {sensors::servo_protocol(finding_.protocol).greeting()};
     return sensors::stream_request(*finding_.role, profile_, 0);
   }
 

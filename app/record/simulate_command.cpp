@@ -47,9 +47,11 @@ void announce(const SimulateOptions& options, const simulation::VirtualRigConfig
   if (!options.profile.empty()) print("profile  {}\n", printable(options.profile));
   const std::string protocol =
       options.parts.gyro_protocol ? " --gyro-protocol " + *options.parts.gyro_protocol : std::string();
-  print("next  thermorig record --environment {} --camera {} --gyro {}{} --servo {}\nCtrl-C ends it\n",
+  const std::string& servo_protocol = config.profile.servo.protocol;
+  const bool has_board = servo_protocol == ServoProfile().protocol;
+  print("next  thermorig record --environment {} --camera {} --gyro {}{} --servo {}{}\nCtrl-C ends it\n",
         printable(options.environment), paths[Device::camera], paths[Device::gyro], protocol,
-        paths[Device::servo]);
+        paths[Device::servo], has_board ? "" : " --servo-protocol " + servo_protocol);
   flush_output();
 }
 

@@ -10,7 +10,7 @@ class VirtualBus : public rig::DeviceBus {
  public:
   /// What `profile` does not have has no port, though the simulated rig may have it.
   VirtualBus(const simulation::VirtualRigConfig& config, const RigProfile& profile)
-      : profile_(profile), rig_(config, simulation::make_host_firmware()) {}
+      : profile_(profile), rig_(config, simulation::make_servo(config)) {}
   void send(Device to, std::span<const std::uint8_t> bytes, HostTime now) override {
     rig_.send(to, bytes, now);
   }

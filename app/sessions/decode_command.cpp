@@ -156,6 +156,7 @@ struct Learnt {
   std::vector<std::uint8_t> head;  // its first bytes
   Recognition recognition;         // of a gyro, where no option says how it is read
   AutoZero zeros;                  // of a gyro
+  int bus_id = 1;                  // of a servo on a bus
 };
 
 void learn(const wire::GyroMessage& message, Learnt& learnt) {
@@ -222,7 +223,8 @@ wire::Counters decode(const DecodeOptions& options, ByteSource& source, MessageP
     case Device::servo:
       break;
   }
-  return decode<wire::ServoMessage>(sensors::servo_protocol().scanner(), source, printer, learnt);
+  const sensors::ServoProtocol& servo = sensors::servo_protocol(options.servo_protocol);
+  return decode<wire::ServoMessage>(servo.scanner({.bus_id = learnt.bus_id}), source, printer, learnt);
 }
 
 [[noreturn]] void refuse_bytes(const DecodeOptions& options, const std::string& name,
@@ -272,6 +274,17 @@ DecodeOptions completed(DecodeOptions options, ByteSource& source, Learnt& learn
     options.camera_protocol = CameraProfile().protocol;
     for (const sensors::Recognised& found : sensors::recognise(learnt.head, 0.0))
       if (found.role == Device::camera && found.is_usable()) options.camera_protocol = found.protocol;
+    return options;
+  }
+  if (options.device == Device::servo) {
+    learnt.head = read_head(source, telling_of_gyro);
+    for (const sensors::Recognised& found : sensors::recognise(learnt.head, 0.0)) {
+      if (found.role != Device::servo) continue;
+      if (options.servo_protocol.empty()) options.servo_protocol = found.protocol;
+      if (const auto id = found.evidence.settings.find("bus_id"); id != found.evidence.settings.end())
+        learnt.bus_id = static_cast<int>(id->second);
+    }
+    if (options.servo_protocol.empty()) options.servo_protocol = ServoProfile().protocol;
     return options;
   }
   if (options.device != Device::gyro || !options.gyro_protocol.empty()) return options;

@@ -16,7 +16,7 @@ namespace thermorig::io {
 
 namespace {
 
-constexpr std::size_t words_max = 4;
+constexpr std::size_t words_max = 16;
 constexpr std::size_t stack_bytes = 1U << 16U;
 
 /// Read by signal handlers: plain memory and lock-free flags only.

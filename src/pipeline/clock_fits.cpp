@@ -167,11 +167,12 @@ ClockFit fit_gyro_clock(const RawStream& received, std::span<const TimedGyro> gy
 ClockFit fit_servo_clock(const RawStream& received, const RawStream& sent, const Streams& streams,
                          const ServoProfile& profile) {
   const auto spans = spans_of(streams.servo);
-  if (!holds(received, spans)) return {};
+  const sensors::ServoProtocol& protocol = sensors::servo_protocol(profile.protocol);
+  // Without a time of its own, arrivals are all there is: nothing to fit them against.
+  if (!holds(received, spans) || !protocol.clock.sends_time()) return {};
   const auto exchanges = ping_exchanges(received, sent, streams, profile.link.baud);
   if (exchanges.empty())
-    return fit_one_way(received, spans, telemetry_times_s(streams.servo), profile.link,
-                       sensors::servo_protocol().rate_hz);
+    return fit_one_way(received, spans, telemetry_times_s(streams.servo), profile.link, protocol.rate_hz);
   timing::PingFit fit =
       timing::fit_pings(mcu_times_us(streams.servo), exchanges,
                         sent_stamps(received, streams.servo, profile.link.baud), profile.link);

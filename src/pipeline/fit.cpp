@@ -112,7 +112,7 @@ PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const 
                               std::span<const TimedGyro>(streams.gyro).subspan(begin, end - begin), gyro);
       });
   clocks[Device::servo] = fit_pieces(
-      raw, Device::servo, streams.servo, sensors::servo_protocol().rate_hz,
+      raw, Device::servo, streams.servo, sensors::servo_protocol(raw.header.profile.servo.protocol).rate_hz,
       [&, &servo = servo](auto begin, auto end) {
         if (end - begin == streams.servo.size())
           return fit_servo_clock(raw.received[Device::servo], raw.sent[Device::servo], streams, servo);

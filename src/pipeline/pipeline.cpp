@@ -9,6 +9,7 @@
 #include "measurements.h"
 #include "servo_decoder.h"
 #include "thermorig/sensors/device_stream.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::pipeline {
 
@@ -58,13 +59,19 @@ PerDevice<std::uint64_t> message_bytes(const RigProfile& profile) {
     bytes[device] = sensors::device_stream(device, profile).message_bytes;
   return bytes;
 }
+
+labels::LabelConfig label_config(const RigProfile& profile, const Fits& fits) {
+  labels::LabelConfig config = labels::label_config(profile, fits.sync);
+  config.telemetry_gap_s = sensors::servo_protocol(profile.servo.protocol).longest_gap_s;
+  return config;
+}
 }  // namespace
 
 Pipeline::Pipeline(const RigProfile& profile, const Fits& fits, bool without_labels)
     : stages_(new Stages{.camera = CameraDecoder(profile.camera, fits),
                          .gyro = GyroDecoder(profile.gyro, fits),
                          .servo = ServoDecoder(profile.servo, fits),
-                         .labeller = labels::Labeller(labels::label_config(profile, fits.sync)),
+                         .labeller = labels::Labeller(label_config(profile, fits)),
                          .frame_rate_hz = profile.camera.output_rate_hz,
                          .measurements = {},
                          .streams = {},

@@ -9,6 +9,12 @@
 namespace thermorig::pipeline {
 
 namespace {
+/// Of the host's microseconds in 32 bits, where a servo has no time of its own.
+constexpr ClockProperties arrival_clock{.tick_s = 1e-6, .wrap_ticks = std::uint64_t{1} << 32U};
+
+const sensors::ServoProtocol& protocol_of(const ServoProfile& profile) {
+  return sensors::servo_protocol(profile.protocol);
+}
 
 /// How fast the host's clock runs by two messages of telemetry, one after the other. Where a reset or an
 /// absence lies between them, as fast as it should.
@@ -20,8 +26,8 @@ double host_s_per_us(const TimedServo& before, const TimedServo& now) {
 }
 
 /// Readings may lie a little before the telemetry that came before them; the clock may have wrapped.
-std::int64_t since_telemetry_us(const TimedServo& telemetry, std::uint32_t mcu_us) {
-  const ClockProperties& clock = sensors::servo_protocol().clock;
+std::int64_t since_telemetry_us(const TimedServo& telemetry, std::uint32_t mcu_us,
+                                const ClockProperties& clock) {
   const auto wrap_us = std::llround(static_cast<double>(clock.wrap_ticks) * clock.tick_s * 1e6);
   const std::int64_t since_us = (std::int64_t{mcu_us} - telemetry.state.mcu_us) % wrap_us;
   if (since_us > wrap_us / 2) return since_us - wrap_us;
@@ -32,14 +38,21 @@ std::int64_t since_telemetry_us(const TimedServo& telemetry, std::uint32_t mcu_u
 
 ServoDecoder::ServoDecoder(const ServoProfile& profile, const Fits& fits)
     : link_(profile.link),
-      scanner_(sensors::servo_protocol().scanner()),
+      scanner_(protocol_of(profile).scanner(profile)),
       timing_(profile.link),
       final_times_(fits.times[Device::servo]),
       baud_(profile.link.baud),
-      mcu_time_(sensors::servo_protocol().clock),
+      sends_time_(protocol_of(profile).clock.sends_time()),
+      mcu_clock_(sends_time_ ? protocol_of(profile).clock : arrival_clock),
+      mcu_time_(mcu_clock_),
       pings_(profile.link.baud),
       clock_(profile.link),
       is_causal_(fits.times[Device::servo].empty()) {}
+
+void ServoDecoder::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
+  pings_.sent(bytes, before_write);
+  scanner_.sent(bytes);
+}
 
 ServoDecoder::Decoded ServoDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
                                          Streams& out) {
@@ -88,11 +101,13 @@ void ServoDecoder::sort(wire::ServoMessage&& message, Streams& out) {
 
 TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoState& state) {
   const Stamp stamp = timing_.stamp(message.span);
+  const auto arrival_us = static_cast<std::uint32_t>(to_ns(stamp.time) / 1000);
   TimedServo servo{.state = state,
                    .span = message.span,
                    .stamp = stamp,
-                   .mcu_time_us = mcu_time_.unwrap(state.mcu_us, stamp.time),
+                   .mcu_time_us = mcu_time_.unwrap(sends_time_ ? state.mcu_us : arrival_us, stamp.time),
                    .lost_before = std::exchange(was_away_, false) || message.lost_before};
+  if (!sends_time_) servo.state.mcu_us = arrival_us;
   if (is_causal_)
     stamp_by_clock(servo, begun_by(message.span));
   else
@@ -104,7 +119,7 @@ TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoSta
 
 /// By the telemetry before it, with which it shares a clock.
 TimedShaft ServoDecoder::timed(const wire::ServoMessage& message, const ShaftReading& reading) {
-  const std::int64_t since_us = since_telemetry_us(*telemetry_, reading.mcu_us);
+  const std::int64_t since_us = since_telemetry_us(*telemetry_, reading.mcu_us, mcu_clock_);
   TimedShaft shaft{.reading = reading,
                    .span = message.span,
                    .stamp = telemetry_->stamp,

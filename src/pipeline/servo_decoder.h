@@ -25,8 +25,9 @@ class ServoDecoder {
  public:
   ServoDecoder(const ServoProfile& profile, const Fits& fits);
 
-  /// Bytes to the servo: pings among them bound its clock, once they are answered.
-  void sent(std::span<const std::uint8_t> bytes, HostTime before_write) { pings_.sent(bytes, before_write); }
+  /// Bytes to the servo: pings among them bound its clock, once they are answered; and some servos' answers
+  /// are only understood with them.
+  void sent(std::span<const std::uint8_t> bytes, HostTime before_write);
 
   /// What a chunk brought.
   struct Decoded {
@@ -61,6 +62,8 @@ class ServoDecoder {
   FinalTimes final_times_;
   std::uint32_t baud_;
   HostTime newest_arrival_{HostTime::min()};
+  bool sends_time_;  // else its time is that of arrivals
+  ClockProperties mcu_clock_;
   timing::McuTime mcu_time_;
   PingLedger pings_;
   timing::PingClock clock_;

@@ -23,10 +23,14 @@ void add_steps(std::span<const UsualBaud> bauds, const std::vector<std::uint8_t>
   for (const UsualBaud& usual : bauds) {
     const auto same = std::find_if(steps.begin(), steps.end(),
                                    [&](const auto& step) { return step.at.baud == usual.baud; });
-    if (same == steps.end())
+    if (same == steps.end()) {
       steps.push_back({usual, greeting, only_if_silent});
-    else
-      same->at.share = std::max(same->at.share, usual.share);
+      continue;
+    }
+    same->at.share = std::max(same->at.share, usual.share);
+    if (!same->greeting.empty() || !only_if_silent) continue;
+    same->greeting = greeting;
+    same->only_if_silent = true;
   }
 }
 
@@ -46,7 +50,7 @@ DeviceStream device_stream(Device device, const RigProfile& profile) {
     case Device::servo:
       break;
   }
-  const ServoProtocol& servo = servo_protocol();
+  const ServoProtocol& servo = servo_protocol(profile.servo.protocol);
   return {servo.name, servo.sends, servo.message_bytes, servo.rate_hz, servo.clock};
 }
 
@@ -80,7 +84,7 @@ std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double he
     add(Device::camera, camera.name, camera.recognise(bytes));
   if (found.empty()) add(std::nullopt, "", recognise_foreign(bytes));
   const bool is_foreign = !found.empty();
-  add(Device::servo, servo_protocol().name, servo_protocol().recognise(bytes));
+  for (const ServoProtocol& servo : servo_protocols()) add(Device::servo, servo.name, servo.recognise(bytes));
   for (const GyroProtocol& gyro : gyro_protocols())
     if (!gyro.has_columns || !is_foreign) add(Device::gyro, gyro.name, gyro.recognise(bytes, heard_s));
   return found;
@@ -93,7 +97,8 @@ std::vector<SearchStep> search_steps() {
     add_steps(camera.bauds, listens ? camera.greeting() : std::vector<std::uint8_t>(), listens, steps);
   }
   for (const GyroProtocol& gyro : gyro_protocols()) add_steps(gyro.bauds, {}, false, steps);
-  add_steps(servo_protocol().bauds, servo_protocol().greeting(), false, steps);
+  for (const ServoProtocol& servo : servo_protocols())
+    add_steps(servo.bauds, servo.greeting(), servo.is_silent, steps);
   return steps;
 }
 

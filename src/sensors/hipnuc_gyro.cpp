@@ -50,6 +50,7 @@ FrameContent read_counts(Bytes payload) {
 
 class HipnucFraming {
  public:
+  using Content = FrameContent;
   static constexpr std::uint8_t sync = 0x5A;
   static constexpr std::size_t longest = hipnuc_header_bytes + hipnuc_payload_max;
 
@@ -96,7 +97,7 @@ std::uint64_t hipnuc_message_bytes(const GyroProfile&) {
 }
 
 GyroScanner hipnuc_scanner(const GyroProfile&, StreamStart) {
-  return GyroScanner(FramedGyroScanner(HipnucFraming()));
+  return GyroScanner(FramedScanner(HipnucFraming()));
 }
 
 std::optional<Evidence> recognise_hipnuc(Bytes bytes, double) {

@@ -27,6 +27,7 @@ std::uint16_t fletcher16(Bytes bytes) {
 
 class MipFraming {
  public:
+  using Content = FrameContent;
   static constexpr std::uint8_t sync = 0x75;
   static constexpr std::size_t longest = mip_header_bytes + 255 + mip_sum_bytes;
 
@@ -82,7 +83,7 @@ std::uint64_t mip_message_bytes(const GyroProfile&) {
 }
 
 GyroScanner mip_scanner(const GyroProfile&, StreamStart) {
-  return GyroScanner(FramedGyroScanner(MipFraming()));
+  return GyroScanner(FramedScanner(MipFraming()));
 }
 
 std::optional<Evidence> recognise_mip(Bytes bytes, double) {

@@ -48,6 +48,7 @@ std::optional<double> decimal_number(std::string_view text) {
 
 class VectornavFraming {
  public:
+  using Content = FrameContent;
   static constexpr std::uint8_t sync = '$';
   static constexpr std::size_t longest = 256;
 
@@ -147,7 +148,7 @@ std::uint64_t vectornav_message_bytes(const GyroProfile&) {
 }
 
 GyroScanner vectornav_scanner(const GyroProfile& profile, StreamStart) {
-  return GyroScanner(FramedGyroScanner(VectornavFraming(reads_filtered(profile))));
+  return GyroScanner(FramedScanner(VectornavFraming(reads_filtered(profile))));
 }
 
 /// "Write register": which message it sends by itself. It forgets that when its power goes.

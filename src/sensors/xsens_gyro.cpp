@@ -60,6 +60,7 @@ std::optional<std::array<double, 3>> three_numbers(unsigned format, Bytes data) 
 
 class XsensFraming {
  public:
+  using Content = FrameContent;
   static constexpr std::uint8_t sync = 0xFA;
   static constexpr std::size_t longest = xsens_extended_bytes + xsens_data_max + 1;
 
@@ -144,7 +145,7 @@ std::uint64_t xsens_message_bytes(const GyroProfile&) {
 }
 
 GyroScanner xsens_scanner(const GyroProfile& profile, StreamStart) {
-  return GyroScanner(FramedGyroScanner(XsensFraming(profile.output_rate_hz)));
+  return GyroScanner(FramedScanner(XsensFraming(profile.output_rate_hz)));
 }
 
 std::optional<Evidence> recognise_xsens(Bytes bytes, double) {

@@ -33,6 +33,15 @@ VirtualRigConfig default_rig(std::uint64_t seed, const std::string& environment)
   return config;
 }
 
+std::unique_ptr<Firmware> make_servo(const VirtualRigConfig& config) {
+  const ServoProfile& servo = config.profile.servo;
+  if (servo.protocol == "dynamixel")
+    return make_dynamixel(static_cast<std::uint8_t>(servo.bus_id), servo.link.baud, config.seed,
+                          config.dynamixel);
+  if (servo.protocol == "grbl") return make_grbl(servo.link.baud, config.seed, config.grbl);
+  return make_host_firmware();
+}
+
 void put_in_world(const World& world, VirtualRigConfig& config) {
   config.world = world;
   if (world.gyro.bandwidth_hz != World().gyro.bandwidth_hz) config.profile.gyro.bandwidth_hz = 0.0;

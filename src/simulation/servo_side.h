@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,13 @@ class ServoSide {
 
   std::int64_t end_ns(const PulseEdge& pulse) {
     return clock_.rig_ns_at(static_cast<double>(pulse.rise_us) + pulse.width_us);
+  }
+
+  void opened(std::int64_t rig_ns) { firmware_->opened(clock_.us_at(rig_ns)); }
+
+  /// See Firmware::shaft_deg(). Not beyond the last run_until().
+  std::optional<double> shaft_deg(std::int64_t rig_ns) {
+    return firmware_->shaft_deg(static_cast<double>(clock_.us_at(rig_ns)));
   }
 
   McuClock& clock() { return clock_; }

@@ -112,7 +112,7 @@ VirtualRig::Parts::Parts(const VirtualRigConfig& rig, std::unique_ptr<Firmware> 
       servo(std::move(firmware), rig.profile.servo.link.baud, rig.seed, rig.world),
       plant(rig.profile.servo, rig.servo_loop_hz, rig.seed, rig.world.servo),
       hand(turns_in_rig_time(rig, host_clock), rig.start),
-      shaft(plant.angle_deg() + hand.angle_deg(0)),
+      shaft(servo.shaft_deg(0).value_or(plant.angle_deg()) + hand.angle_deg(0)),
       camera(camera_config(rig), make_panorama(rig.environment, rig.seed, rig.scene), rig.seed),
       gyro(rig.profile.gyro, rig.gyro_grade, rig.seed,
            {.latency_s = rig.gyro_latency_s, .zeroes_itself = rig.gyro_zeroes_itself}, rig.world.gyro),
@@ -147,10 +147,13 @@ void VirtualRig::Parts::turn_shaft(std::int64_t until_ns) {
   while (shaft.known_until_ns() + Shaft::step_ns <= until_ns) {
     plant.step(shaft.known_until_ns());
     const std::int64_t time_ns = shaft.known_until_ns() + Shaft::step_ns;
-    const double angle_deg = plant.angle_deg() + hand.angle_deg(time_ns);
+    const auto driven_deg = servo.shaft_deg(time_ns);
+    const double driven_dps =
+        driven_deg ? (*driven_deg - *servo.shaft_deg(time_ns - 1'000'000)) / 1e-3 : plant.rate_dps();
+    const double angle_deg = driven_deg.value_or(plant.angle_deg()) + hand.angle_deg(time_ns);
     shaft.append(angle_deg);
     if (keep_truth && time_ns % 1'000'000 == 0)
-      shaft_truth.push_back({host_time(time_ns), angle_deg, plant.rate_dps() + hand.rate_dps(time_ns)});
+      shaft_truth.push_back({host_time(time_ns), angle_deg, driven_dps + hand.rate_dps(time_ns)});
   }
 }
 
@@ -248,6 +251,10 @@ void VirtualRig::send(Device to, std::span<const std::uint8_t> bytes, HostTime n
                 parts.gyro_encoder.hear(bytes, profile.gyro, parts.config.gyro_start,
                                         parts.config.world.gyro.bandwidth_hz),
                 begin_ns);
+}
+
+void VirtualRig::opened(Device device, HostTime now) {
+  if (device == Device::servo) parts_->servo.opened(std::max(parts_->now_ns, parts_->rig_ns(now)));
 }
 
 std::vector<Chunk> VirtualRig::advance(HostTime until) {

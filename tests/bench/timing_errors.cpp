@@ -102,7 +102,7 @@ std::vector<RoundTrip> round_trips(const Recorded& recorded) {
     for (const wire::SentFrame& frame : wire::read_sent(sent.chunk(i)))
       if (frame.type == SERVO_PING) pinged[servo_get_u32(frame.payload.data())] = sent.time(i);
   std::vector<RoundTrip> trips;
-  timing::McuTime mcu_time(sensors::servo_protocol().clock);
+  timing::McuTime mcu_time(sensors::servo_protocol("servo-link").clock);
   for (const TimedPong& pong : recorded.live.pongs) {
     const auto ping = pinged.find(pong.token);
     if (ping == pinged.end()) continue;

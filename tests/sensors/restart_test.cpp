@@ -106,7 +106,7 @@ TEST(Restart, OfTheServosScannerBeginsAnew) {
   ByteVector bytes;
   for (std::uint8_t i = 0; i < 40; ++i)
     append(bytes, test::telemetry_bytes(i, {.mcu_us = i * 10'000U, .angle_deg = 0.5 * i}));
-  expect_a_restart_to_begin_anew(servo_protocol().scanner(), bytes);
+  expect_a_restart_to_begin_anew(servo_protocol("servo-link").scanner({}), bytes);
 }
 
 }  // namespace

@@ -116,6 +116,8 @@ struct ServoProfile {
   // mean itself is measured, however far off it is.
   PortProfile link{.baud = 250000, .latency_s = 0.0, .wander_ppm = 6.0};
   std::string model = "winch, 6 turns";
+  std::string protocol = "servo-link";  // a name of sensors/servo_protocol.h
+  int bus_id = 1;                       // of a servo on a bus
   ServoKind kind = ServoKind::positional;
   // positional: angle between the shortest and the longest pulse; continuous: what its cable bears, 0: any
   double travel_deg = 2160.0;

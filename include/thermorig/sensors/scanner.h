@@ -27,6 +27,9 @@ class Scanner {
   Scanner& operator=(const Scanner&) = delete;
   ~Scanner() = default;
 
+  /// This was written to the device: whole messages, in the order of time with what is pushed. Most scanners
+  /// have no use for it.
+  void sent(std::span<const std::uint8_t> bytes) { scanner_->sent(bytes); }
   /// Appends the messages that the bytes complete to `out`. Pieces may be cut anywhere.
   void push(std::span<const std::uint8_t> bytes, std::vector<Message>& out) { scanner_->push(bytes, out); }
   /// The stream ends here, for good or for now: what only waits for the bytes behind it is decided.
@@ -40,6 +43,7 @@ class Scanner {
  private:
   struct Any {
     virtual ~Any() = default;
+    virtual void sent(std::span<const std::uint8_t> bytes) = 0;
     virtual void push(std::span<const std::uint8_t> bytes, std::vector<Message>& out) = 0;
     virtual void finish(std::vector<Message>& out) = 0;
     virtual void restart() = 0;
@@ -50,6 +54,9 @@ class Scanner {
   template <typename Concrete>
   struct Of final : Any {
     explicit Of(Concrete made) : scanner(std::move(made)) {}
+    void sent(std::span<const std::uint8_t> bytes) override {
+      if constexpr (requires { scanner.sent(bytes); }) scanner.sent(bytes);
+    }
     void push(std::span<const std::uint8_t> bytes, std::vector<Message>& out) override {
       scanner.push(bytes, out);
     }

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "thermorig/core/clock_properties.h"
+#include "thermorig/core/profile.h"
 #include "thermorig/sensors/evidence.h"
 #include "thermorig/sensors/scanner.h"
 #include "thermorig/sensors/wire/servo_messages.h"
@@ -16,24 +18,40 @@ namespace thermorig::sensors {
 
 using ServoScanner = Scanner<wire::ServoMessage>;
 
-/// What the program knows of the servo's protocol beside its commands (wire/servo_messages.h): there is one,
-/// that of our own firmware.
+/// What the program knows of a servo's protocol beside how it is driven (rig/sweep/servo_driver.h).
 struct ServoProtocol {
-  std::string_view name;
-  std::string_view sends;  // in words, many of them
+  std::string_view name;        // in profiles, sessions and `decode --servo-protocol`
+  std::string_view sends;       // in words, many of them
+  std::string_view greeted_as;  // what it answers first: "hello"
   std::span<const UsualBaud> bauds;
+  bool is_silent;  // until it is asked: who speaks unasked at such a baud rate is another device
   ClockProperties clock;
   std::uint64_t message_bytes;    // of one telemetry message, at most
   double rate_hz;                 // telemetry messages a second
+  double longest_gap_s;           // between two of them; more is a loss
   std::string_view shaft_sensor;  // what measures the shaft where its messages have ShaftReadings
 
-  ServoScanner (*scanner)();
-  /// Nothing if the bytes hold fewer than two of its messages.
+  /// It is told what is sent to the servo as well, where answers are not to be understood without.
+  ServoScanner (*scanner)(const ServoProfile& profile);
+  /// Nothing if the bytes hold too few of its messages.
   std::optional<Evidence> (*recognise)(std::span<const std::uint8_t> bytes);
-  std::vector<std::uint8_t> (*greeting)();         // it answers this, whatever it was doing
+  std::vector<std::uint8_t> (*greeting)();  // it answers this, whatever it was doing, and moves nothing
   std::vector<std::uint8_t> (*emergency_bytes)();  // stop it, whatever it was doing
 };
 
-const ServoProtocol& servo_protocol();
+/// The table. The first one is what a profile has that names none.
+std::span<const ServoProtocol> servo_protocols();
+
+std::vector<std::string> servo_protocol_names();
+
+/// Nothing if there is none of that name.
+const ServoProtocol* find_servo_protocol(std::string_view name);
+
+/// Throws Error(bad_usage) if there is none of that name: it lists those there are.
+const ServoProtocol& servo_protocol(std::string_view name);
+
+/// Takes the protocol, and what goes with it where the profile still says what another one has: its usual
+/// baud. Throws as servo_protocol() does.
+void choose_servo(std::string_view protocol, ServoProfile& profile);
 
 }  // namespace thermorig::sensors

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,8 @@ struct FirmwareOutput {
 };
 
 /// The servo's micro-controller, advanced in lock step: its time moves only in run_until().
-/// Two implementations: the firmware's sources compiled for the host, and the AVR image in simavr.
+/// The firmware's sources compiled for the host, the AVR image in simavr, or a servo that is driven over its
+/// bus.
 class Firmware {
  public:
   virtual ~Firmware() = default;
@@ -38,11 +40,47 @@ class Firmware {
   /// Runs to `time_us` after reset.
   virtual FirmwareOutput run_until(std::int64_t time_us) = 0;
 
+  /// A program has opened its port at `time_us`.
+  virtual void opened(std::int64_t time_us) { static_cast<void>(time_us); }
+
+  /// Where its own motor has the shaft at `time_us`, of the last half second up to the last run_until().
+  /// None: it puts out pulses, and another thing turns the shaft by them.
+  virtual std::optional<double> shaft_deg(double time_us) const {
+    static_cast<void>(time_us);
+    return std::nullopt;
+  }
+
   /// "host build" or "AVR image": goes into the session's attributes.
   virtual std::string description() const = 0;
 };
 
 /// The sources of firmware_servo compiled for the host: deterministic, in process.
 std::unique_ptr<Firmware> make_host_firmware();
+
+/// How a simulated Dynamixel is found, and its worst habits.
+struct DynamixelHabits {
+  std::uint8_t return_delay = 250;  // in its EEPROM, 2 us each, as it is sold
+  std::uint8_t operating_mode = 3;  // likewise
+  bool echoes = false;              // its half-duplex adapter sends back what the host sends
+  bool has_watchdog = true;
+  double encoder_error_deg = 0.15;  // once a turn
+};
+
+/// A servo of the X series with this ID, at this baud rate: source protocols/dynamixel.md. Its firmware, its
+/// motor and the shaft.
+std::unique_ptr<Firmware> make_dynamixel(std::uint8_t id, std::uint32_t baud, std::uint64_t seed,
+                                         const DynamixelHabits& habits = {});
+
+/// How a simulated GRBL board is set, and its worst habits.
+struct GrblHabits {
+  double max_rate_dps = 300.0;        // $110
+  double acceleration_dps2 = 2000.0;  // $120
+  double clock_error = 0.003;         // of its resonator, as a share
+  bool resets_on_open = true;         // of its port, as an Arduino does
+  bool is_locked = false;             // after each reset, until it is told
+};
+
+/// A stepper behind GRBL 1.1, whose first axis turns: source protocols/grbl.md.
+std::unique_ptr<Firmware> make_grbl(std::uint32_t baud, std::uint64_t seed, const GrblHabits& habits = {});
 
 }  // namespace thermorig::simulation

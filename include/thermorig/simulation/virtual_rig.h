@@ -72,6 +72,8 @@ struct VirtualRigConfig {
   CameraStart camera_start = CameraStart::by_itself;
   GyroStart gyro_start = GyroStart::by_itself;
   bool gyro_zeroes_itself = false;  // at rest, after a second, as WitMotion's do
+  DynamixelHabits dynamixel;        // of a servo that speaks that
+  GrblHabits grbl;                  // likewise
   World world;                      // what its devices do beyond that; begins as the honest one
   std::vector<Outage> outages;
   std::vector<HandTurn> hand_turns;
@@ -103,17 +105,24 @@ struct SentMessage {
   bool arrives = true;         // whole: no outage took a byte of it
 };
 
+/// What stands at the servo's end of the line, by the protocol of the rig's profile: the firmware's host
+/// build, or a servo on a bus.
+std::unique_ptr<Firmware> make_servo(const VirtualRigConfig& config);
+
 /// A whole rig in virtual time: physics, devices and USB links. Deterministic by its configuration.
 /// The same object serves ptys on the wall clock when its caller paces it.
 class VirtualRig {
  public:
-  /// `firmware` is the servo's micro-controller: the host build or the AVR image.
+  /// `firmware` is the servo's micro-controller: of make_servo(), or the AVR image.
   VirtualRig(const VirtualRigConfig& config, std::unique_ptr<Firmware> firmware);
   ~VirtualRig();
 
   /// Bytes from the host to a device, written at host time `now` (not before the last `advance`). A camera or
   /// gyro hears of a write what stands whole in it.
   void send(Device to, std::span<const std::uint8_t> bytes, HostTime now);
+
+  /// A program has opened the device's port: some boards are reset by that.
+  void opened(Device device, HostTime now);
 
   /// Runs the rig to host time `until` and returns the chunks that arrive up to then, in order of arrival.
   std::vector<Chunk> advance(HostTime until);

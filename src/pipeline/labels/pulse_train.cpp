@@ -10,6 +10,9 @@ namespace thermorig::labels {
 
 namespace {
 constexpr double least_change = 1e-9;
+constexpr double share_of_step = 0.02;  // of what a message's angle differs by from the one that was taken on
+constexpr double latest_s = 0.03;       // more than this, by time or angle, is another motion
+constexpr double coarsest_deg = 0.2;
 
 /// a modulo b, not negative.
 std::int64_t modulo(std::int64_t a, std::int64_t b) {
@@ -25,6 +28,17 @@ double PulseTrain::value(const ServoState& state) const {
   const double commanded = scale_.continuous() ? state.rate_dps : state.angle_deg;
   const double value = state.pulse_us > 0.0F ? scale_.value(static_cast<double>(state.pulse_us)) : commanded;
   return std::isfinite(value) ? value : 0.0;
+}
+
+double PulseTrain::taken_on(const TimedServo& servo, double value) const {
+  const double rate_dps = servo.state.rate_dps;
+  const bool has_steps = servo.state.pulse_us <= 0.0F && !scale_.continuous();
+  if (!has_steps || rate_dps == 0.0 || rate_dps != before_->rate_dps) return value;
+  const double expected =
+      before_->value + rate_dps * 1e-6 * static_cast<double>(servo.mcu_time_us - before_->time_us);
+  const double off = value - expected;
+  return std::abs(off) <= std::abs(rate_dps) * latest_s + coarsest_deg ? expected + share_of_step * off
+                                                                       : value;
 }
 
 /// Start of the pulse that a message at `time_us` reports.
@@ -55,8 +69,8 @@ void PulseTrain::fill(const TimedServo& servo, const Seen& pulse, std::vector<Pu
 }
 
 void PulseTrain::add(const TimedServo& servo, std::vector<Pulse>& out) {
-  const double now = value(servo.state);
   const bool unbroken = before_ && std::abs(servo.mcu_time_us - before_->time_us) <= gap_us_;
+  const double now = unbroken ? taken_on(servo, value(servo.state)) : value(servo.state);
   if (unbroken) learn_phase(servo, now);
   const Seen pulse{start_us(servo.mcu_time_us), now};
   if (!unbroken) last_ = Seen{pulse.time_us - period_us, now};
@@ -66,7 +80,7 @@ void PulseTrain::add(const TimedServo& servo, std::vector<Pulse>& out) {
     out[first].restart = !unbroken;
     last_ = pulse;
   }
-  before_ = Seen{servo.mcu_time_us, now};
+  before_ = Seen{servo.mcu_time_us, now, servo.state.rate_dps};
 }
 
 }  // namespace thermorig::labels

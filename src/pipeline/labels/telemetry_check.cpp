@@ -15,8 +15,10 @@ constexpr double coarsest_tick_us = 0.5;
 constexpr double resolution = 0.01;  // telemetry counts hundredths
 }  // namespace
 
+/// A servo that puts out no pulses sends when it is asked.
 bool TelemetryCheck::missed_deadline(const TimedServo& servo) const {
-  return count_ > 0 && std::abs(servo.mcu_time_us - before_us_ - message_us) > tolerance_us;
+  return count_ > 0 && servo.state.pulse_us > 0.0F &&
+         std::abs(servo.mcu_time_us - before_us_ - message_us) > tolerance_us;
 }
 
 bool TelemetryCheck::pulse_strays(const ServoState& state) const {

@@ -173,6 +173,12 @@ void apply_gyro(const PortFinding& finding, GyroProfile& gyro) {
     gyro.output_rate_hz = rounded_hz(finding.rate_hz);
 }
 
+void apply_servo(const PortFinding& finding, ServoProfile& servo) {
+  servo.protocol = finding.protocol;
+  if (const auto id = finding.settings.find("bus_id"); id != finding.settings.end())
+    servo.bus_id = static_cast<int>(id->second);
+}
+
 /// "A and B", "A, B and C".
 std::string listed(const std::vector<const PortFinding*>& findings) {
   std::string text;
@@ -274,6 +280,7 @@ RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& fi
     if (of_role[0]->baud != 0) link.baud = of_role[0]->baud;
     if (device == Device::camera) profile.camera.protocol = of_role[0]->protocol;
     if (device == Device::gyro) apply_gyro(*of_role[0], profile.gyro);
+    if (device == Device::servo) apply_servo(*of_role[0], profile.servo);
   }
   return profile;
 }

@@ -83,8 +83,9 @@ session::Session build_session(RawRecording raw) {
   session.gyro = std::move(decoded.streams.gyro);
   session.servo = std::move(decoded.streams.servo);
   session.shaft = std::move(decoded.streams.shaft);
-  raw.header.shaft_sensor =
-      session.shaft.empty() ? std::string_view() : sensors::servo_protocol().shaft_sensor;
+  raw.header.shaft_sensor = session.shaft.empty()
+                                ? std::string_view()
+                                : sensors::servo_protocol(raw.header.profile.servo.protocol).shaft_sensor;
   session.pongs = std::move(decoded.streams.pongs);
   session.samples = std::move(decoded.samples);
   if (raw.header.firmware.empty()) raw.header.firmware = firmware_of(decoded.streams);

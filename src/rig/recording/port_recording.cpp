@@ -121,6 +121,9 @@ class PortSession {
   void reopen(Device device, const PortProfile& link, io::Refusal refusal);
   void refuse(Device device, const PortProfile& link, HostTime now);
   void tick(HostTime now);
+  std::vector<std::uint8_t> emergency_bytes() const {
+    return sensors::servo_protocol(options_.recording.profile.servo.protocol).emergency_bytes();
+  }
   void signalled();
   void notice(const std::string& sentence) {
     if (options_.notice) options_.notice(sentence);
@@ -182,7 +185,7 @@ PortLoop::PortId PortSession::open(Device device, const PortProfile& link, io::R
   };
   handlers.lost = [this, device](const std::string& why) { recording_->lost(device, why, loop_.now()); };
   const PortLoop::PortId port = loop_.open(link, std::move(handlers), refusal);
-  if (device == Device::servo) loop_.keep_emergency_bytes(port, sensors::servo_protocol().emergency_bytes());
+  if (device == Device::servo) loop_.keep_emergency_bytes(port, emergency_bytes());
   return port;
 }
 
@@ -244,8 +247,7 @@ void PortSession::run_loop() {
     loop_.run();
   } catch (...) {  // e.g. the disk is full: the servo must not run on until its watchdog notices
     io::send_emergency_bytes();  // at once: there may be no memory left for more
-    if (ports_[Device::servo])
-      loop_.write(*ports_[Device::servo], sensors::servo_protocol().emergency_bytes());
+    if (ports_[Device::servo]) loop_.write(*ports_[Device::servo], emergency_bytes());
     bool is_over = false;
     loop_.every(emergency_wait, [&](HostTime) {
       is_over = true;

@@ -8,7 +8,7 @@
 
 #include "recording_parts.h"
 #include "thermorig/io/port.h"
-#include "thermorig/sensors/wire/servo_messages.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::rig {
 
@@ -69,6 +69,7 @@ void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime a
   for (const TimedServo& servo : streams.servo) {
     if (devices.servo(servo, arrived)) presence[Device::servo].message();
     start.watch().servo(servo);
+    commander.telemetry(servo);
     sweep.telemetry(servo);
     if (const auto contradiction = witnesses.servo(servo))
       event({arrived, EventKind::warning, std::nullopt, *contradiction});
@@ -160,7 +161,8 @@ void Recording::Parts::begin_when_ready(HostTime now) {
   if (start.has_begun() || end.is_coming() || awaits_any()) return;
   if (has_servo() && commander.greeted() && start.greeted())
     event({now, EventKind::info, Device::servo,
-           fmt::format("firmware {} answered hello", commander.welcome()->firmware)});
+           fmt::format("firmware {} answered {}", commander.welcome()->firmware,
+                       sensors::servo_protocol(options.profile.servo.protocol).greeted_as)});
   const bool all_speak = std::all_of(all_devices.begin(), all_devices.end(), [&](Device device) {
     return devices.has_spoken(device) || presence[device].is_done_without();
   });
@@ -240,7 +242,9 @@ void Recording::request_stop(HostTime now, const std::string& who) {
   const DevicePresence& servo = parts.presence[Device::servo];
   if (servo.is_awaited()) {
     // It may be there and not have answered yet: the byte alone can be sent.
-    if (servo.has_port()) parts.write_to(Device::servo, wire::stop_bytes(), now);
+    if (servo.has_port())
+      parts.write_to(Device::servo,
+                     sensors::servo_protocol(parts.options.profile.servo.protocol).emergency_bytes(), now);
     parts.end.servo_is_gone = true;
   }
   parts.sweep.request_stop(now);

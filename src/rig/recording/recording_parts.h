@@ -39,7 +39,8 @@ struct Recording::Parts {
         header(make_header(options, now)),
         journal(open_journal(options, header)),
         pipeline(options.profile),
-        commander(options.profile.servo),
+        servo_driver(make_servo_driver(options.profile.servo)),
+        commander(*servo_driver),
         sweep(options.plan, options.profile.servo, options.profile.camera.output_rate_hz, commander),
         requests(options.profile),
         devices(options.profile, options.start_patience_s, now),
@@ -100,7 +101,8 @@ struct Recording::Parts {
   RecordingHeader header;
   std::unique_ptr<RecordingJournal> journal;
   pipeline::Pipeline pipeline;
-  ServoCommander commander;
+  std::unique_ptr<ServoDriver> servo_driver;
+  ServoDriver& commander;  // the same
   SweepWalker sweep;
   StreamRequests requests;
   DeviceWatch devices;

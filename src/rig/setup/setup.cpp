@@ -137,6 +137,13 @@ double usual_travel_deg(double travel_deg) {
 /// `share`: of what was commanded, that the shaft turned.
 void take_travel(double share, double tolerance, ServoProfile& servo, SetupWorld& world) {
   if (std::abs(share - 1.0) < tolerance) return;
+  if (servo.protocol != ServoProfile().protocol)  // a gear behind it; its travel is what the cable bears
+    throw Error(
+        ExitCode::finished_lossy, fmt::format("the shaft turned by {:.2f} of what the servo was told", share),
+        "servo",
+        fmt::format("is there a gear between? then scale = {:.3f} in [servo] of the profile; of a GRBL "
+                    "board set $100, the steps a degree",
+                    share));
   double& span = servo.kind == ServoKind::continuous ? servo.full_rate_dps : servo.travel_deg;
   const double before = span;
   span = servo.kind == ServoKind::continuous ? std::round(span * share) : usual_travel_deg(span * share);

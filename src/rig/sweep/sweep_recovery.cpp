@@ -26,7 +26,7 @@ constexpr const char* fault_advice = "look at cable, supply and travel of the se
 constexpr const char* record_again = "; then record again";
 
 /// Did the board's supply break down, so long ago at most when it was greeted?
-bool broke_down(const ServoCommander& commander, double within_s) {
+bool broke_down(const ServoDriver& commander, double within_s) {
   const auto& welcome = commander.welcome();
   return welcome && wire::was_brown_out(welcome->reset_cause) && 1e-6 * welcome->uptime_us < within_s;
 }

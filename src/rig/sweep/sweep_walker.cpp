@@ -37,7 +37,7 @@ bool has_its_frames(const DrivenLeg& leg, const Step& step, const FrameSchedule&
 }  // namespace
 
 SweepWalker::SweepWalker(const SweepPlan& plan, const ServoProfile& servo, double nominal_frame_rate_hz,
-                         ServoCommander& commander)
+                         ServoDriver& commander)
     : plan_(plan),
       servo_(servo),
       commander_(commander),

@@ -70,6 +70,7 @@ void RigServer::deliver(const Chunk& chunk) {
 /// written after that, and nothing may reach the servo before it was written.
 void RigServer::take_commands() {
   for (const Device device : all_devices) {
+    if (ports_[device].was_opened()) rig_->opened(device, now_());
     ports_[device].deliver_waiting();
     const auto bytes = ports_[device].receive();
     if (!bytes.empty()) rig_->send(device, bytes, now_());

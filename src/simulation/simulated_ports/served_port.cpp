@@ -25,6 +25,11 @@ void ServedPort::follow_plug() {
   if (std::exchange(changes_, false)) side_ = std::move(next_);
 }
 
+bool ServedPort::was_opened() {
+  const bool was_open = std::exchange(was_open_, is_open());
+  return was_open_ && !was_open;
+}
+
 int ServedPort::readable_fd() const {
   // While it is closed a wait would return at once: the terminal reports a hang-up for all that time.
   return is_open() ? side_->fd() : -1;

@@ -33,6 +33,9 @@ class ServedPort {
 
   const PortTally& tally() const { return tally_; }
 
+  /// A program has opened it since the last call.
+  bool was_opened();
+
  private:
   bool is_open() const { return side_ && side_->is_open(); }
   std::size_t write(std::span<const std::uint8_t> bytes);
@@ -45,6 +48,7 @@ class ServedPort {
   std::vector<std::uint8_t> waiting_;
   bool keeps_delivered_ = false;
   std::vector<std::uint8_t> delivered_;
+  bool was_open_ = false;
 };
 
 }  // namespace thermorig

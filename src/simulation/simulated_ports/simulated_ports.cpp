@@ -85,7 +85,9 @@ void SimulatedPorts::Server::end() {
 }
 
 SimulatedPorts::SimulatedPorts(const simulation::VirtualRigConfig& config, FirmwareChoice choice)
-    : SimulatedPorts(config, make_firmware(choice)) {}
+    : SimulatedPorts(config, config.profile.servo.protocol == ServoProfile().protocol
+                                 ? make_firmware(choice)
+                                 : simulation::make_servo(config)) {}
 
 SimulatedPorts::SimulatedPorts(const simulation::VirtualRigConfig& config,
                                std::unique_ptr<simulation::Firmware> firmware)

@@ -14,6 +14,7 @@
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::recording_header {
 
@@ -212,6 +213,9 @@ void add_servo(Fields& fields) {
   add_link(fields, "servo", Device::servo);
   Table<Servo> table(fields, "servo", &RigProfile::servo);
   table.text("model", &Servo::model, "free text");
+  const Words protocols = sensors::servo_protocol_names();
+  table.text("protocol", &Servo::protocol, any_of(protocols), protocols);
+  table.number("bus_id", &Servo::bus_id, "1", 0, 251, "of a servo on a bus (dynamixel): its ID");
   table.choice("kind", &Servo::kind, {"positional", "continuous", "none"},
                "positional, continuous or none: nobody commands what turns the rig");
   table.number("travel_deg", &Servo::travel_deg, "deg", 0, span_max,

@@ -32,15 +32,18 @@ class PulseTrain {
   PulseTrain(const PulseScale& scale, HostDuration gap);
 
   /// Appends the pulses that the message tells of. Where an armed servo reports no pulse, the commanded angle
-  /// (or rate) of the message stands in for it.
+  /// (or rate) of the message stands in for it: while the speed stays the same, as that speed takes it on,
+  /// for the message's angle and time have steps, and the speed has none.
   void add(const TimedServo& servo, std::vector<Pulse>& out);
 
  private:
   struct Seen {
     std::int64_t time_us = 0;
     double value = 0.0;
+    double rate_dps = 0.0;
   };
   double value(const ServoState& state) const;
+  double taken_on(const TimedServo& servo, double value) const;
   std::int64_t start_us(std::int64_t time_us) const;
   void learn_phase(const TimedServo& servo, double value);
   void fill(const TimedServo& servo, const Seen& pulse, std::vector<Pulse>& out) const;

@@ -11,6 +11,7 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
+#include "thermorig/rig/sweep/servo_driver.h"
 #include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::rig {
@@ -28,47 +29,36 @@ struct CommanderTimes {
 };
 
 /// The host's end of the servo link: stop-and-wait commands with retries, refreshes of the watchdog, pings.
-/// Pure: the caller brings the time, carries the bytes and feeds the answers.
-class ServoCommander {
+class ServoCommander final : public ServoDriver {
  public:
   explicit ServoCommander(const ServoProfile& servo, const CommanderTimes& times = {});
 
-  // Commands wait in a queue; each is sent when the one before was acknowledged.
-  void greet();  // hello, disarm, configure; forgets everything queued
-  void arm(double angle_deg);
-  void disarm();
-  void halt();
-  void run(const wire::RunCommand& command);
-  void go_to(const wire::GoToCommand& command);
+  void greet() override;  // hello, disarm, configure
+  void arm(double angle_deg) override;
+  void disarm() override;
+  void halt() override;
+  void run(const wire::RunCommand& command) override;
+  void go_to(const wire::GoToCommand& command) override;
+  void stop() override;  // by the raw stop byte
+  void clear() override;
+  std::vector<std::uint8_t> poll(HostTime now) override;
 
-  /// Raw stop byte ahead of everything; forgets the queue. From here on refusals are only noted.
-  void stop();
+  /// Throws Error: device_missing for another version of the link ("reflash"), bad_usage for a command that
+  /// the firmware refuses for its values.
+  void answer(const wire::ServoMessage& message, HostTime arrived) override;
 
-  /// Forgets what is queued; a command that was sent already is still brought to its end.
-  void clear();
+  /// Tells too whether the link is behind a latency timer, which lengthens the pings' delay.
+  std::optional<HostDuration> pong(const TimedPong& pong) override;
 
-  /// Bytes to write now; empty if there is nothing to say. Call every 10 ms or so. Throws Error:
-  /// device_missing if hello is never answered, device_lost if a later command is not.
-  std::vector<std::uint8_t> poll(HostTime now);
-
-  /// An answer of the servo (welcome, ack, nack, event). Throws Error: device_missing for another version of
-  /// the link ("reflash"), bad_usage for a command that the firmware refuses for its values.
-  void answer(const wire::ServoMessage& message, HostTime arrived);
-
-  /// An answer to a ping: tells whether the link is behind a latency timer, which lengthens the pings' delay.
-  /// Returns how long it was under way, without what the firmware held it back; none if it is not ours.
-  std::optional<HostDuration> pong(const TimedPong& pong);
-
-  bool idle() const { return queue_.empty(); }  // everything was acknowledged
-  bool greeted() const { return welcome_.has_value(); }
-  bool armed() const { return armed_; }
-  bool gave_up() const { return gave_up_; }                         // a command was never answered
-  bool was_reset() const { return was_reset_; }                     // it must be greeted again
-  std::optional<std::uint8_t> refusal() const { return refusal_; }  // enum servo_reason: fault or not armed
-  HostTime last_ack() const { return last_ack_; }
-  const std::optional<wire::ServoWelcome>& welcome() const { return welcome_; }
-  std::uint64_t retries() const { return retries_; }
-  std::uint64_t pings() const { return ping_token_; }
+  bool idle() const override { return queue_.empty(); }
+  bool armed() const override { return armed_; }
+  bool gave_up() const override { return gave_up_; }
+  bool was_reset() const override { return was_reset_; }
+  std::optional<std::uint8_t> refusal() const override { return refusal_; }
+  HostTime last_ack() const override { return last_ack_; }
+  const std::optional<wire::ServoWelcome>& welcome() const override { return welcome_; }
+  std::uint64_t retries() const override { return retries_; }
+  std::uint64_t pings() const override { return ping_token_; }
 
  private:
   struct Command {

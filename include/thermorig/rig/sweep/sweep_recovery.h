@@ -12,7 +12,7 @@
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
 #include "thermorig/rig/sweep/plan.h"
-#include "thermorig/rig/sweep/servo_commander.h"
+#include "thermorig/rig/sweep/servo_driver.h"
 #include "thermorig/rig/sweep/sweep.h"
 
 namespace thermorig::rig {
@@ -23,7 +23,7 @@ std::string fault_text(ServoFault fault);
 /// What interrupted a sweep, and its way back to the phase that it was in: at rest, armed again, on.
 class SweepRecovery {
  public:
-  explicit SweepRecovery(ServoCommander& commander) : commander_(commander) {}
+  explicit SweepRecovery(ServoDriver& commander) : commander_(commander) {}
 
   /// The servo failed. Throws Error(device_lost) where it has failed too often.
   void count_failure(const std::string& what, ServoFault fault);
@@ -53,7 +53,7 @@ class SweepRecovery {
   void note_phase(SweepPhase interrupted);
   double rest_s() const;
 
-  ServoCommander& commander_;
+  ServoDriver& commander_;
   SweepPhase interrupted_ = SweepPhase::leg;
   int failures_ = 0;       // of this step, in a row
   int interruptions_ = 0;  // by devices that went, since a leg was driven to its end
@@ -102,7 +102,7 @@ class ServoTelemetry {
 /// Brings the servo to rest and disarms it: with a halt at the end of a plan, with the stop byte on request.
 class ServoStop {
  public:
-  explicit ServoStop(ServoCommander& commander) : commander_(commander) {}
+  explicit ServoStop(ServoDriver& commander) : commander_(commander) {}
 
   void halt() { commander_.halt(); }
   /// Is it at rest and disarmed? To be asked at each tick after halt(). Throws Error(device_lost) where that
@@ -121,7 +121,7 @@ class ServoStop {
  private:
   void disarm();
 
-  ServoCommander& commander_;
+  ServoDriver& commander_;
   int tries_ = 0;
   bool disarm_sent_ = false;
 };

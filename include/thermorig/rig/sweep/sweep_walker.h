@@ -11,7 +11,7 @@
 #include "thermorig/core/sample.h"
 #include "thermorig/rig/sweep/driven_leg.h"
 #include "thermorig/rig/sweep/quota.h"
-#include "thermorig/rig/sweep/servo_commander.h"
+#include "thermorig/rig/sweep/servo_driver.h"
 #include "thermorig/rig/sweep/sweep.h"
 #include "thermorig/rig/sweep/sweep_recovery.h"
 
@@ -32,7 +32,7 @@ struct SweepNews {
 class SweepWalker {
  public:
   SweepWalker(const SweepPlan& plan, const ServoProfile& servo, double nominal_frame_rate_hz,
-              ServoCommander& commander);
+              ServoDriver& commander);
 
   void start(HostTime now);  // all devices send: the opening rest begins
   void frame(const TimedFrame& frame);
@@ -95,7 +95,7 @@ class SweepWalker {
 
   SweepPlan plan_;
   ServoProfile servo_;
-  ServoCommander& commander_;
+  ServoDriver& commander_;
   FrameSchedule frames_;
   ServoTelemetry telemetry_;
   StepQueue steps_;

@@ -21,8 +21,8 @@ namespace thermorig::wire {
 
 struct ServoWelcome {
   std::uint8_t version = 0;
-  std::string firmware;  // "1.0.0"
-  std::uint8_t board = 0;
+  std::string firmware;    // "1.0.0"
+  std::uint8_t board = 0;  // of a servo on a bus: its ID
   std::uint8_t reset_cause = 0;
   std::uint32_t uptime_us = 0;
   double limit_pulse_min_us = 0, limit_pulse_max_us = 0;
@@ -51,8 +51,15 @@ struct ServoEvent {
   std::uint32_t mcu_us = 0;
 };
 
-using ServoBody =
-    std::variant<ServoState, ServoWelcome, ServoAck, ServoNack, ServoPong, ServoEvent, ShaftReading>;
+/// An answer of a servo that does not carry our firmware: what it is an answer to, who asked knows.
+struct ServoReply {
+  std::uint8_t id = 0;             // on a bus
+  std::uint8_t error = 0;          // 0: none
+  std::vector<std::uint8_t> data;  // Dynamixel: parameters; GRBL: the line
+};
+
+using ServoBody = std::variant<ServoState, ServoWelcome, ServoAck, ServoNack, ServoPong, ServoEvent,
+                               ShaftReading, ServoReply>;
 
 struct ServoMessage {
   ServoBody body;

@@ -21,7 +21,7 @@ constexpr ClockProperties micro_controller_clock{
     .wrap_ticks = std::uint64_t{1} << 32U,
     .rate_error_max = 0.02};  // a ceramic resonator is within 0.5 %, an RC oscillator within 2 %
 
-ServoScanner servo_scanner() {
+ServoScanner servo_scanner(const ServoProfile&) {
   return ServoScanner(wire::ServoScanner());
 }
 
@@ -46,19 +46,21 @@ std::vector<std::uint8_t> hello() {
 
 }  // namespace
 
-const ServoProtocol& servo_protocol() {
-  static const ServoProtocol protocol{.name = "servo-link",
-                                      .sends = "messages of the servo link",
-                                      .bauds = servo_bauds,
-                                      .clock = micro_controller_clock,
-                                      .message_bytes = SERVO_TELEMETRY_SIZE + frame_bytes_around,
-                                      .rate_hz = 1e3 / SERVO_TELEMETRY_PERIOD_MS,
-                                      .shaft_sensor = "AS5600",
-                                      .scanner = servo_scanner,
-                                      .recognise = recognise_servo,
-                                      .greeting = hello,
-                                      .emergency_bytes = wire::stop_bytes};
-  return protocol;
+ServoProtocol servo_link_servo() {
+  return {.name = "servo-link",
+          .sends = "messages of the servo link",
+          .greeted_as = "hello",
+          .bauds = servo_bauds,
+          .is_silent = false,
+          .clock = micro_controller_clock,
+          .message_bytes = SERVO_TELEMETRY_SIZE + frame_bytes_around,
+          .rate_hz = 1e3 / SERVO_TELEMETRY_PERIOD_MS,
+          .longest_gap_s = 0.05,
+          .shaft_sensor = "AS5600",
+          .scanner = servo_scanner,
+          .recognise = recognise_servo,
+          .greeting = hello,
+          .emergency_bytes = wire::stop_bytes};
 }
 
 }  // namespace thermorig::sensors

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "thermorig/core/profile.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+#include "thermorig/sensors/wire/servo_messages.h"
+
+namespace thermorig::rig {
+
+/// Drives a servo by its protocol. Pure: the caller brings the time, carries the bytes and feeds the answers.
+/// Whatever the protocol, a servo whose host falls silent comes to rest by itself within half a second, or at
+/// the end of the leg that it was told.
+class ServoDriver {
+ public:
+  virtual ~ServoDriver() = default;
+
+  // Commands wait in a queue; each is sent when the one before was acknowledged.
+  virtual void greet() = 0;  // who it is, disarm, set up; forgets everything queued
+  virtual void arm(double angle_deg) = 0;
+  virtual void disarm() = 0;
+  virtual void halt() = 0;
+  virtual void run(const wire::RunCommand& command) = 0;
+  virtual void go_to(const wire::GoToCommand& command) = 0;
+
+  /// Stops it ahead of everything; forgets the queue. From here on refusals are only noted.
+  virtual void stop() = 0;
+
+  /// Forgets what is queued; a command that was sent already is still brought to its end.
+  virtual void clear() = 0;
+
+  /// Bytes to write now; empty if there is nothing to say. Call every 10 ms or so. Throws Error:
+  /// device_missing if the greeting is never answered, device_lost if a later command is not.
+  virtual std::vector<std::uint8_t> poll(HostTime now) = 0;
+
+  /// An answer of the servo. Throws Error: device_missing for one that cannot be driven, bad_usage for a
+  /// command that it refuses for its values.
+  virtual void answer(const wire::ServoMessage& message, HostTime arrived) = 0;
+
+  /// What it said of its motion. Throws as answer() does.
+  virtual void telemetry(const TimedServo&) {}
+
+  /// An answer to a ping. Returns how long it was under way, without what the firmware held it back; none if
+  /// it is not ours.
+  virtual std::optional<HostDuration> pong(const TimedPong&) { return std::nullopt; }
+
+  virtual bool idle() const = 0;  // everything was acknowledged
+  virtual bool armed() const = 0;
+  virtual bool gave_up() const = 0;                         // a command was never answered
+  virtual bool was_reset() const = 0;                       // it must be greeted again
+  virtual std::optional<std::uint8_t> refusal() const = 0;  // enum servo_reason: fault or not armed
+  virtual HostTime last_ack() const = 0;
+  virtual const std::optional<wire::ServoWelcome>& welcome() const = 0;
+  virtual std::uint64_t retries() const = 0;
+  virtual std::uint64_t pings() const { return 0; }  // sent, of those that pong() tells the answers of
+
+  bool greeted() const { return welcome().has_value(); }
+
+ protected:
+  ServoDriver() = default;
+  ServoDriver(const ServoDriver&) = default;
+  ServoDriver& operator=(const ServoDriver&) = default;
+};
+
+/// The driver of the profile's protocol.
+std::unique_ptr<ServoDriver> make_servo_driver(const ServoProfile& servo);
+
+}  // namespace thermorig::rig

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/sensors/wire/grbl.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <string>
+
+namespace thermorig::wire::grbl {
+
+namespace {
+
+std::vector<std::uint8_t> bytes_of_line(std::string_view line) {
+  return {line.begin(), line.end()};
+}
+
+/// Takes `word` off the front of the line, and the number behind it.
+template <typename Number>
+std::optional<Number> take_number(std::string_view& line, std::string_view word) {
+  if (!line.starts_with(word)) return std::nullopt;
+  line.remove_prefix(word.size());
+  Number value{};
+  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);
+  if (error != std::errc()) return std::nullopt;
+  line.remove_prefix(static_cast<std::size_t>(end - line.data()));
+  return value;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> jog_line(const Jog& jog) {
+  return bytes_of_line(
+      fmt::format("$J=G91X{:.3f}F{:.1f}(leg {})\n", jog.way_deg, 60.0 * jog.rate_dps, jog.leg));
+}
+
+std::optional<Jog> parse_jog(std::string_view line) {
+  // A real-time byte may stand in front: it belongs to no line.
+  const std::size_t begin = line.find('$');
+  if (begin == line.npos) return std::nullopt;
+  line.remove_prefix(begin);
+  const auto way_deg = take_number<double>(line, "$J=G91X");
+  const auto feed = way_deg ? take_number<double>(line, "F") : std::nullopt;
+  const auto leg = feed ? take_number<std::uint16_t>(line, "(leg ") : std::nullopt;
+  if (!leg || line != ")" || !std::isfinite(*way_deg) || !(*feed >= 0.0) || !std::isfinite(*feed))
+    return std::nullopt;
+  return Jog{*way_deg, *feed / 60.0, *leg};
+}
+
+std::vector<std::uint8_t> power_note(bool is_armed) {
+  return bytes_of_line(is_armed ? "(armed)\n" : "(disarmed)\n");
+}
+
+std::optional<bool> parse_power_note(std::string_view line) {
+  if (line.ends_with("(armed)")) return true;
+  return line.ends_with("(disarmed)") ? std::optional(false) : std::nullopt;
+}
+
+std::vector<std::uint8_t> status_request() {
+  return {'?'};
+}
+
+std::vector<std::uint8_t> jog_cancel() {
+  return {0x85};
+}
+
+std::vector<std::uint8_t> soft_reset() {
+  return {0x18};
+}
+
+std::vector<std::uint8_t> settings_request() {
+  return bytes_of_line("$$\n");
+}
+
+std::vector<std::uint8_t> unlock() {
+  return bytes_of_line("$X\n");
+}
+
+}  // namespace thermorig::wire::grbl

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+// Servos that do not carry our firmware, in virtual time: whole recordings, and what stops when the host
+// dies.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulated_bus.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/rig/recording/port_recording.h"
+#include "thermorig/rig/sweep/dynamixel_driver.h"
+#include "thermorig/sensors/servo_protocol.h"
+#include "virtual_ports.h"
+
+namespace thermorig::rig::test::bus_servos {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double until_rest_s = 0.5;
+constexpr double rest_dps = 1.0;
+constexpr double moving_dps = 20.0;
+
+simulation::VirtualRigConfig rig_config(std::uint64_t seed, const std::string& protocol = "dynamixel") {
+  simulation::VirtualRigConfig config = simulation::default_rig(seed, "garden");
+  sensors::choose_servo(protocol, config.profile.servo);
+  if (protocol == "dynamixel") config.profile.servo.link.baud = 1'000'000;
+  return config;
+}
+
+SweepPlan two_legs(double rate_dps, int frames) {
+  PlanOverrides overrides;
+  overrides.magnitudes_dps = {rate_dps};
+  overrides.frames_per_leg = frames;
+  overrides.valid_per_leg = 0;
+  overrides.opening_rest_s = overrides.closing_rest_s = 0.3;
+  return load_plan("quick", "garden", 1, overrides);
+}
+
+class BusServoRig : public ::testing::Test {
+ protected:
+  RecordingResult record(const simulation::VirtualRigConfig& config, const SweepPlan& plan,
+                         const std::optional<ServoProfile>& profile = {}) {
+    bus_.emplace(config, simulation::make_servo(config));
+    VirtualOptions options;
+    options.recording = recording_options(folder_, config.profile, plan);
+    if (profile) options.recording.profile.servo = *profile;
+    return record_virtual(*bus_, options);
+  }
+
+  TemporaryFolder folder_;
+  std::optional<SimulatedBus> bus_;
+};
+
+class EachBusServo : public BusServoRig, public ::testing::WithParamInterface<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Protocols, EachBusServo, ::testing::Values("dynamixel", "grbl"),
+                         [](const auto& protocol) { return std::string(protocol.param); });
+
+TEST_P(EachBusServo, DrivesAPlanAndItsTelemetryCarriesTheLegs) {
+  const simulation::VirtualRigConfig config = rig_config(1, GetParam());
+  const RecordingResult result = record(config, short_plan());
+  ASSERT_EQ(result.exit, ExitCode::ok) << result.message;
+  const session::Session session = session::read_session(result.session);
+  EXPECT_FALSE(session.raw.header.firmware.empty());
+  ASSERT_EQ(session.raw.legs.size(), 4U);
+  constexpr double half_a_unit_dps = 0.69;
+  for (const LegRecord& leg : session.raw.legs) {
+    EXPECT_TRUE(std::any_of(session.samples.begin(), session.samples.end(),
+                            [&](const LabelledSample& sample) {
+                              return sample.leg == leg.leg && sample.valid &&
+                                     std::abs(sample.rate_commanded_dps - leg.rate_dps) < half_a_unit_dps;
+                            }))
+        << leg.leg;
+  }
+}
+
+using DynamixelRig = BusServoRig;
+
+TEST_F(DynamixelRig, IsReadAllTheSameThroughAnAdapterThatEchoes) {
+  simulation::VirtualRigConfig config = rig_config(2);
+  config.dynamixel.echoes = true;
+  const RecordingResult result = record(config, two_legs(90.0, 12));
+  EXPECT_EQ(result.exit, ExitCode::ok) << result.message;
+}
+
+TEST_P(EachBusServo, TurnsBackAtTheEndsOfItsTravelInALegThatIsLonger) {
+  simulation::VirtualRigConfig config = rig_config(3, GetParam());
+  config.profile.servo.travel_deg = 270.0;
+  const RecordingResult result = record(config, two_legs(90.0, 40));
+  EXPECT_EQ(result.exit, ExitCode::ok) << result.message;
+  const session::Session session = session::read_session(result.session);
+  const double limit_deg = *angle_limit_deg(config.profile.servo) + 0.1;
+  for (const TimedServo& servo : session.servo) EXPECT_LE(std::abs(servo.state.angle_deg), limit_deg);
+}
+
+TEST_F(DynamixelRig, OfAnotherIdIsNamed) {
+  const simulation::VirtualRigConfig config = rig_config(4);
+  ServoProfile told = config.profile.servo;
+  told.bus_id = 3;
+  try {
+    record(config, two_legs(90.0, 12), told);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::device_missing);
+    EXPECT_THAT(error.what_happened(), HasSubstr("no servo of ID 3 answers a ping, but one of ID 1"));
+  }
+}
+
+/// What is left of the servo's rest when nobody speaks to it any more.
+class HostDies : public ::testing::TestWithParam<const char*> {
+ protected:
+  /// Records, has `mishap` strike in the first leg, and lets the rig go on for a second.
+  RecordingResult suffer(const std::function<void()>& mishap) {
+    options_.recording = recording_options(folder_, config_.profile, two_legs(90.0, 40));
+    for (const Device device : all_devices)
+      options_.recording.profile.link(device).port = ports_.paths()[device];
+    options_.progress_period = std::chrono::milliseconds(50);
+    ports_.rig().keep_truth(true);
+    options_.progress = [this, mishap](const RecordingProgress& progress) {
+      if (struck_ || progress.sweep.phase != SweepPhase::leg || progress.sweep.frames < 4) return;
+      struck_ = ports_.now();
+      mishap();
+    };
+    RecordingResult result;
+    try {
+      result = record_ports(options_, ports_);
+    } catch (const Error& error) {
+      result.exit = error.code();
+    }
+    ports_.let_pass(std::chrono::seconds(1));
+    return result;
+  }
+
+  double fastest_dps(HostTime from, HostTime until) {
+    double fastest = 0.0;
+    for (const simulation::TruthSample& sample : ports_.rig().shaft())
+      if (sample.time >= from && sample.time <= until) fastest = std::max(fastest, std::abs(sample.rate_dps));
+    return fastest;
+  }
+
+  void expect_rest_until(HostTime end) {
+    ASSERT_TRUE(struck_);
+    EXPECT_GT(fastest_dps(*struck_ - from_s(1.0), *struck_), moving_dps);
+    EXPECT_LT(fastest_dps(*struck_ + from_s(until_rest_s), end), rest_dps);
+  }
+
+  simulation::VirtualRigConfig config_ = rig_config(5, GetParam());
+  TemporaryFolder folder_;
+  VirtualPorts ports_{config_, simulation::make_servo(config_)};
+  PortOptions options_;
+  std::optional<HostTime> struck_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Protocols, HostDies, ::testing::Values("dynamixel", "grbl"),
+                         [](const auto& protocol) { return std::string(protocol.param); });
+
+TEST_P(HostDies, ByACableThatIsPulledAndTheServoRests) {
+  const RecordingResult result = suffer([this] { ports_.unplug(Device::servo); });
+  EXPECT_EQ(result.exit, ExitCode::device_lost) << result.message;
+  expect_rest_until(ports_.now());
+}
+
+TEST_P(HostDies, ForASecondAndTheServoRestsAndTheSessionIsComplete) {
+  constexpr auto a_second = std::chrono::seconds(1);
+  const RecordingResult result = suffer([&] { ports_.stand_still(a_second); });
+  EXPECT_EQ(result.state, session::State::complete) << result.message;
+  expect_rest_until(*struck_ + a_second);
+}
+
+constexpr double killed_at_s = 6.0;  // in the first leg
+
+/// The shaft after a recorder was killed (-9) in the first leg, for half a minute.
+std::vector<simulation::TruthSample> shaft_after_a_kill(const simulation::VirtualRigConfig& config) {
+  SimulatedBus bus(config, simulation::make_servo(config));
+  bus.rig.keep_truth(true);
+  const TemporaryFolder folder;
+  RunOptions run;
+  run.give_up_at_s = killed_at_s;
+  const DrivenRun driven =
+      run_to_journal(bus, recording_options(folder, config.profile, two_legs(90.0, 80)), run);
+  EXPECT_FALSE(driven.failure);
+  bus.advance(HostTime{} + from_s(killed_at_s));
+  EXPECT_GT(std::abs(bus.rig.shaft().back().rate_dps), moving_dps);
+  bus.advance(HostTime{} + from_s(killed_at_s + 30.0));
+  return bus.rig.shaft();
+}
+
+class KilledRecorder : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Protocols, KilledRecorder, ::testing::Values("dynamixel", "grbl"),
+                         [](const auto& protocol) { return std::string(protocol.param); });
+
+TEST_P(KilledRecorder, LeavesTheServoAtRest) {
+  for (const simulation::TruthSample& sample : shaft_after_a_kill(rig_config(6, GetParam())))
+    if (sample.time > HostTime{} + from_s(killed_at_s + until_rest_s)) {
+      ASSERT_LT(std::abs(sample.rate_dps), rest_dps);
+    }
+}
+
+TEST(DynamixelWithoutAWatchdog, RestsAtTheEndOfItsLegAfterAKill) {
+  simulation::VirtualRigConfig config = rig_config(6);
+  config.dynamixel.has_watchdog = false;
+  const auto shaft = shaft_after_a_kill(config);
+  EXPECT_LT(std::abs(shaft.back().rate_dps), rest_dps);
+  EXPECT_LT(std::abs(shaft.back().angle_deg), config.profile.servo.travel_deg / 2.0);
+}
+
+}  // namespace
+}  // namespace thermorig::rig::test::bus_servos

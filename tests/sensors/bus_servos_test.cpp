@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+// Servos that do not carry our firmware: Dynamixel, GRBL.
+#include "thermorig/sensors/wire/dynamixel.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "thermorig/sensors/device_stream.h"
+#include "thermorig/sensors/servo_protocol.h"
+#include "thermorig/sensors/wire/grbl.h"
+#include "wire/scan.h"
+#include "wire/vector_fields.h"
+
+namespace thermorig::test::bus_servo_protocols {
+namespace {
+
+namespace dynamixel = wire::dynamixel;
+namespace grbl = wire::grbl;
+using Bytes = std::vector<std::uint8_t>;
+
+sensors::ServoScanner scanner_of(int id) {
+  return sensors::servo_protocol("dynamixel").scanner({.bus_id = id});
+}
+
+void expect_described(const char* file, const sensors::ServoScanner& scanner) {
+  for (const GoldenVector& vector : read_vectors(file)) {
+    SCOPED_TRACE(vector.name);
+    const Fields fields = fields_in(vector);
+    const auto scan = scan_any_chunking<wire::ServoMessage>(scanner, vector.bytes, Stream::ends);
+    expect_counters(scan.counters, fields, "telemetry");
+    const auto count = [&](auto is_so) {
+      return static_cast<std::uint64_t>(std::count_if(scan.messages.begin(), scan.messages.end(), is_so));
+    };
+    const auto is_state = [](const auto& message) {
+      return std::holds_alternative<ServoState>(message.body);
+    };
+    const auto is_shaft = [](const auto& message) {
+      return std::holds_alternative<ShaftReading>(message.body);
+    };
+    EXPECT_EQ(count(is_state), count_in(fields, "telemetry"));
+    EXPECT_EQ(scan.messages.size() - count(is_state) - count(is_shaft),
+              count_in(fields, "welcomes") + count_in(fields, "answers"));
+    if (count(is_shaft) > 0) {
+      EXPECT_EQ(count(is_shaft), count_in(fields, "telemetry"));
+      EXPECT_NEAR(std::get<ShaftReading>(scan.messages.back().body).angle_deg,
+                  std::stod(fields.at("shaft_deg")), 1e-9);
+    }
+    const auto last = std::find_if(scan.messages.rbegin(), scan.messages.rend(), is_state);
+    ASSERT_NE(last, scan.messages.rend());
+    const auto& state = std::get<ServoState>(last->body);
+    EXPECT_NEAR(state.angle_deg, std::stod(fields.at("angle_deg")), 1e-9);
+    EXPECT_NEAR(state.rate_dps, std::stod(fields.at("rate_dps")), 1e-9);
+    EXPECT_EQ(state.mcu_us, count_in(fields, "mcu_us"));
+    EXPECT_EQ(static_cast<std::uint64_t>(state.motion), count_in(fields, "motion"));
+    EXPECT_EQ(static_cast<std::uint64_t>(state.fault), count_in(fields, "fault"));
+    if (const auto* reply = std::get_if<wire::ServoReply>(&scan.messages.front().body)) {
+      EXPECT_EQ(reply->error, count_in(fields, "error"));
+    }
+  }
+}
+
+TEST(Dynamixel, StreamsAreReadAsTheGoldenVectorsDescribe) {
+  expect_described("dynamixel.txt", scanner_of(1));
+}
+
+TEST(Grbl, StreamsAreReadAsTheGoldenVectorsDescribe) {
+  expect_described("grbl.txt", sensors::servo_protocol("grbl").scanner({}));
+}
+
+TEST(Grbl, AJogThatIsSentReadsBackWithItsLeg) {
+  const Bytes line = grbl::jog_line({-6.25, 30.0, 12});
+  EXPECT_EQ(std::string(line.begin(), line.end()), "$J=G91X-6.250F1800.0(leg 12)\n");
+  const auto jog = grbl::parse_jog("$J=G91X-6.250F1800.0(leg 12)");
+  ASSERT_TRUE(jog);
+  EXPECT_EQ(jog->way_deg, -6.25);
+  EXPECT_EQ(jog->rate_dps, 30.0);
+  EXPECT_EQ(jog->leg, 12);
+  for (const char* other : {"$J=G91X-6.250", "$J=G90X1F60(leg 1)", "$J=G91X1F60(leg 1) X2", "$$", ""})
+    EXPECT_FALSE(grbl::parse_jog(other)) << other;
+}
+
+/// Reports have neither leg nor arming: what was sent says both.
+TEST(Grbl, ReportsAreReadWithWhatWasSent) {
+  sensors::ServoScanner scanner = sensors::servo_protocol("grbl").scanner({});
+  std::vector<wire::ServoMessage> messages;
+  const auto report = [&](const std::string& line) {
+    const std::string ended = line + "\r\n";
+    scanner.push(Bytes(ended.begin(), ended.end()), messages);
+    return std::get<ServoState>(messages.back().body);
+  };
+  const std::string at_rest = "<Idle|MPos:0.000,0.000,0.000|FS:0,0>";
+  EXPECT_EQ(report(at_rest).motion, ServoMotion::disarmed);
+  scanner.sent(grbl::power_note(true));
+  EXPECT_EQ(report(at_rest).motion, ServoMotion::holding);
+  scanner.sent(grbl::jog_line({-6.0, 30.0, 7}));
+  const ServoState driven = report("<Jog|MPos:-1.000,0.000,0.000|FS:1800,0>");
+  EXPECT_EQ(driven.motion, ServoMotion::steady);
+  EXPECT_EQ(driven.rate_dps, -30.0);
+  EXPECT_EQ(driven.leg, 7);
+  scanner.sent(grbl::jog_cancel());
+  EXPECT_EQ(report(at_rest).leg, 0);
+}
+
+TEST(Grbl, IsRecognisedByItsBannerAlone) {
+  const std::string banner = "\r\nGrbl 1.1h ['$' for help]\r\n";
+  const auto found = sensors::recognise(Bytes(banner.begin(), banner.end()), 1.0);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.front().role, Device::servo);
+  EXPECT_EQ(found.front().protocol, "grbl");
+}
+
+/// The maker's own examples.
+TEST(Dynamixel, PacketsAreThoseOfTheDocument) {
+  EXPECT_EQ(dynamixel::ping(1), (Bytes{0xFF, 0xFF, 0xFD, 0x00, 0x01, 0x03, 0x00, 0x01, 0x19, 0x4E}));
+  EXPECT_EQ(dynamixel::write(1, dynamixel::at::bus_watchdog, Bytes{10}),
+            (Bytes{0xFF, 0xFF, 0xFD, 0x00, 0x01, 0x06, 0x00, 0x03, 0x62, 0x00, 0x0A, 0x4A, 0xE4}));
+}
+
+TEST(Dynamixel, AHeaderAmongTheParametersIsStuffedAndComesBack) {
+  for (const Bytes& data : {Bytes{0xFF, 0xFF, 0xFD}, Bytes{0xFF, 0xFF, 0xFD, 0xFD},
+                            Bytes{0xFF, 0xFF, 0xFF, 0xFD}, Bytes{0xFF, 0xFF, 0xFD, 0xFF, 0xFF, 0xFD, 0x00}}) {
+    const Bytes whole = dynamixel::packet(3, dynamixel::Instruction::write, data);
+    EXPECT_EQ(dynamixel::packet_size(whole), whole.size());
+    const auto inside = whole.begin() + 4;
+    const Bytes header{0xFF, 0xFF, 0xFD, 0x00};
+    EXPECT_EQ(std::search(inside, whole.end(), header.begin(), header.end()), whole.end());
+    ASSERT_TRUE(dynamixel::parse(whole));
+    EXPECT_EQ(dynamixel::parse(whole)->parameters, data);
+  }
+}
+
+TEST(Dynamixel, TelemetryBelongsToTheLegThatWasNotedBeforeItWasAskedFor) {
+  const Bytes telemetry = read_vectors("dynamixel.txt").front().bytes;
+  sensors::ServoScanner scanner = scanner_of(1);
+  std::vector<wire::ServoMessage> messages;
+  const auto ask = [&] {
+    scanner.sent(dynamixel::read(1, dynamixel::telemetry_begin, dynamixel::telemetry_bytes));
+  };
+  const auto leg = [&] {
+    messages.clear();
+    scanner.push(telemetry, messages);
+    return std::get<ServoState>(messages.front().body).leg;
+  };
+  ask();
+  scanner.sent(dynamixel::note(515));
+  EXPECT_EQ(leg(), 0);
+  ask();
+  EXPECT_EQ(leg(), 515);
+  scanner.finish(messages);
+  scanner.restart();
+  EXPECT_EQ(leg(), 0);
+}
+
+TEST(Dynamixel, IsRecognisedByOneAnswerAndItsIdIsNamed) {
+  const Bytes model_1060{0x24, 0x04, 0x2D};
+  Bytes answer{0};
+  answer.insert(answer.end(), model_1060.begin(), model_1060.end());
+  const Bytes status = dynamixel::packet(7, dynamixel::Instruction::status, answer);
+  const auto found = sensors::recognise(status, 1.0);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].role, Device::servo);
+  EXPECT_EQ(found[0].protocol, "dynamixel");
+  EXPECT_EQ(found[0].evidence.settings.at("bus_id"), 7);
+  EXPECT_THAT(found[0].evidence.text, ::testing::HasSubstr("ID 7"));
+}
+
+TEST(Dynamixel, AnAdapterThatEchoesWhatItIsAskedIsNoServo) {
+  Bytes echo = dynamixel::ping(dynamixel::every_id);
+  const Bytes again = echo;
+  echo.insert(echo.end(), again.begin(), again.end());
+  EXPECT_TRUE(sensors::recognise(echo, 1.0).empty());
+}
+
+TEST(Dynamixel, IsAskedWhereNobodyElseSpeaksAndByAPingAlone) {
+  bool is_asked = false;
+  for (const sensors::SearchStep& step : sensors::search_steps()) {
+    if (step.greeting != dynamixel::ping(dynamixel::every_id)) continue;
+    is_asked = true;
+    EXPECT_TRUE(step.only_if_silent) << step.at.baud;
+  }
+  EXPECT_TRUE(is_asked);
+}
+
+}  // namespace
+}  // namespace thermorig::test::bus_servo_protocols
