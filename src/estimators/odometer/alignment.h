@@ -4,12 +4,18 @@
 #include <array>
 #include <cstddef>
 
-#include "half_reading.h"
 #include "heading_filter.h"
 #include "lens.h"
 #include "panorama.h"
+#include "thermorig/core/surroundings/half_frame.h"
 
 namespace thermorig::odometer {
+
+/// Where each row looks and how far it sweeps, if rows are exposed one after the other: rows from the top.
+struct RowSweeps {
+  std::array<float, frame_rows> shift_deg{};  // against the middle of the frame
+  std::array<float, frame_rows> half_width_deg{};
+};
 
 /// A half to be laid against the panorama: what it shows without its pixels' errors, and their noise.
 struct View {

@@ -5,11 +5,21 @@
 #include <span>
 #include <vector>
 
-#include "half_reading.h"
-
 namespace thermorig::odometer {
 
-inline constexpr double largest_rate_dps = 10000.0;  // beyond: not a rate
+/// What the gyro turned by while a chess half was exposed, bias and scale not removed: enough to know the
+/// mean heading and its spread for any bias and scale. Times in seconds of the gyro's path.
+struct ExposedTurn {
+  double begin_s = 0.0, end_s = 0.0;
+  double begin_deg = 0.0, end_deg = 0.0;  // integral of the readings
+  double mean_s = 0.0, mean_deg = 0.0;    // over the exposure
+  double variance_s2 = 0.0, variance_deg2 = 0.0, covariance = 0.0;
+  double change_dps = 0.0;                 // of the reading, from the first third to the last
+  double first_dps = 0.0, last_dps = 0.0;  // readings at both ends
+
+  double length_s() const { return end_s - begin_s; }
+  double mean_read_dps() const { return (end_deg - begin_deg) / length_s(); }
+};
 
 /// What the gyro has turned by, bias and scale not removed, over its last minute or longer.
 class GyroPath {

@@ -66,7 +66,7 @@ class Mosaic {
     double log_likelihood() const;
   };
 
-  void place(const HalfReading& half, const GyroPath& path);
+  void place(const HalfFrame& half, const GyroPath& path);
   void clip(Band& band);
   void take_off_errors_of_looks(std::size_t band);
   double band_delay_periods(RowOrder order, std::size_t band) const;

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "half_reading.h"
 #include "row_sums.h"
 #include "sweep_ends.h"
+#include "thermorig/core/surroundings/half_frame.h"
 #include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {

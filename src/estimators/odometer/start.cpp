@@ -58,7 +58,7 @@ void Start::begin_searching() {
   phase_ = Phase::searching;
 }
 
-Start::Outcome Start::add(const HalfReading& half, double now_s) {
+Start::Outcome Start::add(const HalfFrame& half, double now_s) {
   store(half, now_s);
   if (is_due_to_begin()) begin_first_pass(*gyro_search_.found());
   switch (phase_) {
@@ -93,7 +93,7 @@ double Start::origin_sigma_deg() const {
   return std::hypot(before_->sigma_deg(begun, filter.sigma(HeadingFilter::bias)), misplaced_deg);
 }
 
-void Start::store(const HalfReading& half, double now_s) {
+void Start::store(const HalfFrame& half, double now_s) {
   store_.add(half, now_s);
   if (!store_.is_full()) gyro_search_.add(store_, path_);
 }
@@ -125,7 +125,7 @@ void Start::forget_rest() {
   store_.forget(first, last - first);
 }
 
-std::optional<Priors> Start::find_gyro(const HalfReading& half, double now_s) {
+std::optional<Priors> Start::find_gyro(const HalfFrame& half, double now_s) {
   store_.add(half, now_s);
   gyro_search_.add(store_, path_);
   forget_early_halves();

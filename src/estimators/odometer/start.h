@@ -34,10 +34,10 @@ class Start {
     over,   // the front tracker knows gyro and map, and has seen all halves that were kept
     failed  // it begins anew: nothing that it has seen fits together
   };
-  Outcome add(const HalfReading& half, double now_s);
+  Outcome add(const HalfFrame& half, double now_s);
 
   /// Instead of all that, for a map that was made before: what some seconds of halves tell of the gyro.
-  std::optional<Priors> find_gyro(const HalfReading& half, double now_s);
+  std::optional<Priors> find_gyro(const HalfFrame& half, double now_s);
 
   /// The front tracker has gone through all halves that came.
   bool has_caught_up() const { return phase_ == Phase::learning || phase_ == Phase::second_pass; }
@@ -60,7 +60,7 @@ class Start {
   enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass };
 
   void begin_searching();
-  void store(const HalfReading& half, double now_s);
+  void store(const HalfFrame& half, double now_s);
   const NisBounds& bounds() const { return nis_bounds(things_move_); }
   void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, bounds().most); }
   bool has_halves_enough(double now_s) const;

@@ -107,7 +107,7 @@ std::vector<float> Tracker::map_image_c() const {
   return pixels;
 }
 
-Tracker::Exposed Tracker::expose(const HalfReading& half, const GyroPath& path) {
+Tracker::Exposed Tracker::expose(const HalfFrame& half, const GyroPath& path) {
   const double late_s = filter_.latency_s();
   Exposed exposed{path.over(half.begin_s - late_s, half.end_s - late_s),
                   pixels_.corrected(half),
@@ -126,7 +126,7 @@ Tracker::Exposed Tracker::expose(const HalfReading& half, const GyroPath& path) 
 
 /// Headings at points through the time in which all rows are exposed, and sums over them: a row's exposure is
 /// a part of it.
-void Tracker::expose_rows(const HalfReading& half, const GyroPath& path, Exposed& exposed) const {
+void Tracker::expose_rows(const HalfFrame& half, const GyroPath& path, Exposed& exposed) const {
   constexpr std::size_t points = 48;  // over two refresh periods: half a one before, half a one behind
   constexpr double exposure = points / 2.0;
   const double step_s = (half.end_s - half.begin_s) / exposure;
@@ -158,7 +158,7 @@ void Tracker::expose_rows(const HalfReading& half, const GyroPath& path, Exposed
   }
 }
 
-View Tracker::view_of(const HalfReading& half, const Exposed& exposed) const {
+View Tracker::view_of(const HalfFrame& half, const Exposed& exposed) const {
   return {.temp_c = &exposed.temp_c,
           .variance = &pixels_.variance(half.parity),
           .parity = half.parity,
@@ -174,7 +174,7 @@ void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed, const Head
   filter_.begin_nodes(azimuth_deg - edge_deg, azimuth_deg + edge_deg, shown);
 }
 
-HalfResult Tracker::add(const HalfReading& half, const GyroPath& path, bool is_trusted) {
+HalfResult Tracker::add(const HalfFrame& half, const GyroPath& path, bool is_trusted) {
   Exposed exposed = expose(half, path);
   if (!lens_->is_plain() && halves_ >= first_halves) level(half, exposed);
   HalfResult result{.rate_dps = exposed.rate_dps, .work = work_of(0)};
@@ -215,7 +215,7 @@ std::array<double, HeadingFilter::nodes> Tracker::written_shares(const Alignment
 }
 
 /// What each pixel would show had it looked along its own row of the map.
-void Tracker::level(const HalfReading& half, Exposed& exposed) const {
+void Tracker::level(const HalfFrame& half, Exposed& exposed) const {
   const Alignment alignment(panorama_, filter_, *lens_);
   const HalfPixels beside = alignment.beside_row(view_of(half, exposed), exposed.azimuth_deg);
   for (std::size_t i = 0; i < half_pixels; ++i) exposed.temp_c[i] -= beside[i];
@@ -232,7 +232,7 @@ void Tracker::keep_sigma(double sigma_deg) {
 }
 
 /// Lays a half against the map, and tells the filter.
-HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
+HalfResult Tracker::judge(const HalfFrame& half, const Exposed& exposed) {
   const auto& [turn, temp_c, azimuth_deg, rate_dps, half_width_deg, rows] = exposed;
   HalfResult result{.rate_dps = rate_dps};
   std::array<double, HeadingFilter::nodes> ahead{};
@@ -277,7 +277,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   return result;
 }
 
-void Tracker::locate(const HalfReading& half, const GyroPath& path, CircleSearch& search) {
+void Tracker::locate(const HalfFrame& half, const GyroPath& path, CircleSearch& search) {
   const Exposed exposed = expose(half, path);
   search.add(Alignment(panorama_, filter_, *lens_), view_of(half, exposed),
              exposed.azimuth_deg - located_deg_);

@@ -14,7 +14,6 @@ namespace {
 constexpr double shortest_gap_s = 0.04;
 constexpr double gap_periods = 3.5;
 constexpr std::ptrdiff_t near_knots = 32;
-constexpr double fastest_reading_dps = 1e5;  // no gyro goes there: a reading beyond is rubbish
 
 }  // namespace
 
@@ -23,7 +22,7 @@ AngleTrack::AngleTrack(std::span<const TimedGyro> gyro) {
   origin_ = gyro.front().stamp.time;
   knots_.reserve(gyro.size());
   for (const TimedGyro& sample : gyro)
-    if (std::abs(sample.rate_dps) < fastest_reading_dps)  // false for NaN
+    if (is_rate(sample.rate_dps))
       append(to_s(sample.stamp.time - origin_), static_cast<double>(sample.rate_dps));
   number_stretches();
 }

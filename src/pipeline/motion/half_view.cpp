@@ -6,11 +6,6 @@
 namespace thermorig::motion {
 namespace {
 
-constexpr std::uint16_t fresh_pixels = half_pixels / 50;  // 2 %, as the detector of freshness has it
-constexpr double longest_exposure_s = 4.0;                // 0.5 Hz, the slowest the bridge knows, and clocks
-constexpr float coldest_c = -60.0F;                       // beyond: not a temperature of the sensor's range
-constexpr float hottest_c = 400.0F;
-
 HalfExposure exposure_of(const TimedFrame& frame, unsigned parity, NewerHalf newer) {
   if (!newer) return frame.half[parity];
   const HostTime middle = frame.exposure_begin + (frame.exposure_end - frame.exposure_begin) / 2;
@@ -18,19 +13,13 @@ HalfExposure exposure_of(const TimedFrame& frame, unsigned parity, NewerHalf new
                           : HalfExposure{frame.exposure_begin, middle};
 }
 
-bool is_fresh(const TimedFrame& frame, unsigned parity) {
-  return (parity == 0 ? frame.fresh_even : frame.fresh_odd) > fresh_pixels;
-}
-
 HalfView view_of(const FreshHalf& half) {
-  HalfView view{.half = half, .temp_c = {}, .trust = {}};
-  for (std::size_t column = 0; column < frame_columns; ++column)
-    for (std::size_t k = 0; k < half_rows; ++k) {
-      const float temp_c = half.frame->frame.temp_c[row_of(column, k, half.parity) * frame_columns + column];
-      const bool good = temp_c > coldest_c && temp_c < hottest_c;  // false for NaN
-      view.temp_c[column * half_rows + k] = good ? temp_c : 0.0F;
-      view.trust[column * half_rows + k] = good ? 1.0F : 0.0F;
-    }
+  HalfView view{.half = half, .temp_c = pixels_of(half.frame->frame, half.parity), .trust = {}};
+  for (std::size_t i = 0; i < half_pixels; ++i) {
+    const bool is_read = !std::isnan(view.temp_c[i]);
+    if (!is_read) view.temp_c[i] = 0.0F;
+    view.trust[i] = is_read ? 1.0F : 0.0F;
+  }
   return view;
 }
 
@@ -41,13 +30,13 @@ std::vector<FreshHalf> fresh_halves(std::span<const TimedFrame> frames, const An
   std::vector<FreshHalf> halves;
   for (const TimedFrame& frame : frames) {
     if (frame.late || frame.stale) continue;
-    if (newer && !(is_fresh(frame, 0) && is_fresh(frame, 1))) continue;
+    if (newer && !(frame.is_fresh(0) && frame.is_fresh(1))) continue;
     for (const unsigned parity : {0U, 1U}) {
-      if (!is_fresh(frame, parity)) continue;
+      if (!frame.is_fresh(parity)) continue;
       const HalfExposure exposure = exposure_of(frame, parity, newer);
+      if (!exposure.is_possible()) continue;
       const double begin_s = track.seconds(exposure.begin);
       const double end_s = track.seconds(exposure.end);
-      if (end_s <= begin_s || end_s - begin_s > longest_exposure_s) continue;
       const auto stretch = track.stretch(begin_s - margin_s, end_s + margin_s);
       if (!stretch) continue;
       const double rate_dps = track.over(begin_s, end_s).rate_dps - bias_dps;

@@ -1,31 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "angle_track.h"
-#include "thermorig/core/frame.h"
-#include "thermorig/core/sample.h"
+#include "thermorig/core/surroundings/half_frame.h"
 
 namespace thermorig::motion {
-
-inline constexpr double whole_turn_deg = 360.0;
-
-inline constexpr std::size_t half_pixels = frame_pixels / 2;
-inline constexpr std::size_t half_rows = frame_rows / 2;  // pixels of one column in one chess half
-
-/// A value for each pixel of a chess half, column after column (32, 12): what lies in one column looks into
-/// one direction, and inner loops run over neighbours in memory. Aligned for vectors of four.
-struct alignas(16) HalfPixels : std::array<float, half_pixels> {};
-
-/// Row of pixel `k` of a column.
-constexpr std::size_t row_of(std::size_t column, std::size_t k, unsigned parity) {
-  return 2 * k + ((column ^ parity) & 1U);
-}
 
 /// A chess half of a frame that was read anew: when it was exposed and how fast the rig turned.
 struct FreshHalf {
