@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "gyro_path.h"
 #include "thermorig/core/surroundings/half_frame.h"
+#include "thermorig/core/surroundings/turn_path.h"
 #include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "gyro_path.h"
 #include "lens.h"
 #include "lens_adjustment.h"
 #include "thermorig/core/surroundings/half_frame.h"
+#include "thermorig/core/surroundings/turn_path.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
@@ -45,7 +45,7 @@ constexpr double more_share = 0.02;  // more than the round before: worth anothe
 
 /// A recording as a tracker takes it.
 struct Sweep {
-  GyroPath path{1};
+  TurnPath path{1};
   std::vector<HalfFrame> halves;
 };
 
@@ -63,7 +63,7 @@ Sweep sweep_of(std::span<const TimedFrame> frames, std::span<const TimedGyro> gy
   Sweep sweep;
   if (gyro.empty()) return sweep;
   const HostTime origin = gyro.front().stamp.time;
-  sweep.path = GyroPath(gyro.size());
+  sweep.path = TurnPath(gyro.size());
   double before_s = 0.0;
   std::optional<double> moving_since_s;
   for (const TimedGyro& sample : gyro) {

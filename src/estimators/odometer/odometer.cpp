@@ -9,7 +9,6 @@
 #include "circle_search.h"
 #include "gyro_heading.h"
 #include "gyro_noise.h"
-#include "gyro_path.h"
 #include "gyro_watch.h"
 #include "heading_trust.h"
 #include "innovation_count.h"
@@ -18,6 +17,7 @@
 #include "plausibility.h"
 #include "start.h"
 #include "thermorig/core/gyro_delay.h"
+#include "thermorig/core/surroundings/turn_path.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
@@ -116,7 +116,7 @@ struct Odometer::Parts {
   FoundRows rows;     // by the last start that ended
   double lens_share;  // one standard deviation: of all angles that nothing but the lens tells
   SharedLens lens;
-  GyroPath path;
+  TurnPath path;
   GyroWatch watch;
   Tracker front;  // the one that is told of
   Start start;
@@ -366,7 +366,7 @@ void Odometer::Parts::keep_sound_heading(const HalfResult& result, double now_s)
 /// The heading, if the gyro was there since one was sound.
 std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
   if (!sound) return std::nullopt;
-  const GyroPath::Knot now = path.until(front.now_s());
+  const TurnPath::Knot now = path.until(front.now_s());
   return CircleSearch::Found{sound->deg(now), sound->sigma_deg(now)};
 }
 

@@ -29,7 +29,7 @@ constexpr double doubtful_nis = 1.2;
 }  // namespace
 
 Start::Start(const Priors& priors, const SharedLens& lens, bool latency_measured, Tracker& front,
-             const GyroPath& path)
+             const TurnPath& path)
     : priors_(priors),
       lens_(lens),
       front_(front),
@@ -87,7 +87,7 @@ Start::Outcome Start::add(const HalfFrame& half, double now_s) {
 double Start::origin_sigma_deg() const {
   if (!before_) return 0.0;
   const HeadingFilter& filter = front_.filter();
-  const GyroPath::Knot begun = path_.until(store_.at(0).now_s);
+  const TurnPath::Knot begun = path_.until(store_.at(0).now_s);
   const double misplaced_deg =
       before_->deg(begun, begun_with_.bias_dps) - before_->deg(begun, filter.bias_dps());
   return std::hypot(before_->sigma_deg(begun, filter.sigma(HeadingFilter::bias)), misplaced_deg);
@@ -105,10 +105,10 @@ bool Start::has_halves_enough(double now_s) const {
 /// The first of the newest halves that all show one view: a rig at rest.
 std::size_t Start::rests_since() const {
   const HeadingFilter& filter = front_.filter();
-  const GyroPath::Knot now = path_.until(store_.at(store_.count() - 1).now_s);
+  const TurnPath::Knot now = path_.until(store_.at(store_.count() - 1).now_s);
   std::size_t first = store_.count() - 1;
   for (; first > 0; --first) {
-    const GyroPath::Knot then = path_.until(store_.at(first - 1).now_s);
+    const TurnPath::Knot then = path_.until(store_.at(first - 1).now_s);
     const double read_deg = now.turned_deg - then.turned_deg;
     const double by_bias_deg = filter.bias_dps() * (now.time_s - then.time_s);
     if (std::abs(read_deg - by_bias_deg) > still_deg) break;

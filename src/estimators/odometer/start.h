@@ -6,11 +6,11 @@
 #include <optional>
 
 #include "gyro_heading.h"
-#include "gyro_path.h"
 #include "gyro_search.h"
 #include "half_store.h"
 #include "innovation_count.h"
 #include "plausibility.h"
+#include "thermorig/core/surroundings/turn_path.h"
 #include "tracker.h"
 
 namespace thermorig::odometer {
@@ -22,7 +22,7 @@ class Start {
  public:
   /// `front`: the tracker that is told of, and that tracks afterwards; `path`: the gyro's, up to each half.
   Start(const Priors& priors, const SharedLens& lens, bool latency_measured, Tracker& front,
-        const GyroPath& path);
+        const TurnPath& path);
 
   /// Nothing of what came before is needed but `before`: the heading at which the map begins.
   void begin(const std::optional<GyroHeading>& before);
@@ -96,7 +96,7 @@ class Start {
   Priors priors_;
   SharedLens lens_;
   Tracker& front_;
-  const GyroPath& path_;
+  const TurnPath& path_;
   Tracker back_;  // goes through the halves again
   HalfStore store_;
   double rested_s_ = 0.0;  // since its first half: what was forgotten

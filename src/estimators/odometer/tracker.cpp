@@ -37,8 +37,8 @@ void learn_nis(const HalfResult& result, double& mean, double most) {
 
 Tracker::Tracker(const Priors& priors, const SharedLens& lens) : lens_(lens), filter_(priors) {}
 
-void Tracker::advance(const GyroPath& path, double now_s) {
-  const GyroPath::Knot now = path.until(now_s);
+void Tracker::advance(const TurnPath& path, double now_s) {
+  const TurnPath::Knot now = path.until(now_s);
   if (has_begun_)
     filter_.predict(now.turned_deg - now_deg_, now_s - now_s_,
                     std::max(0.0, now.unseen_deg2 - now_unseen_deg2_));
@@ -107,7 +107,7 @@ std::vector<float> Tracker::map_image_c() const {
   return pixels;
 }
 
-Tracker::Exposed Tracker::expose(const HalfFrame& half, const GyroPath& path) {
+Tracker::Exposed Tracker::expose(const HalfFrame& half, const TurnPath& path) {
   const double late_s = filter_.latency_s();
   Exposed exposed{path.over(half.begin_s - late_s, half.end_s - late_s),
                   pixels_.corrected(half),
@@ -126,7 +126,7 @@ Tracker::Exposed Tracker::expose(const HalfFrame& half, const GyroPath& path) {
 
 /// Headings at points through the time in which all rows are exposed, and sums over them: a row's exposure is
 /// a part of it.
-void Tracker::expose_rows(const HalfFrame& half, const GyroPath& path, Exposed& exposed) const {
+void Tracker::expose_rows(const HalfFrame& half, const TurnPath& path, Exposed& exposed) const {
   constexpr std::size_t points = 48;  // over two refresh periods: half a one before, half a one behind
   constexpr double exposure = points / 2.0;
   const double step_s = (half.end_s - half.begin_s) / exposure;
@@ -174,7 +174,7 @@ void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed, const Head
   filter_.begin_nodes(azimuth_deg - edge_deg, azimuth_deg + edge_deg, shown);
 }
 
-HalfResult Tracker::add(const HalfFrame& half, const GyroPath& path, bool is_trusted) {
+HalfResult Tracker::add(const HalfFrame& half, const TurnPath& path, bool is_trusted) {
   Exposed exposed = expose(half, path);
   if (!lens_->is_plain() && halves_ >= first_halves) level(half, exposed);
   HalfResult result{.rate_dps = exposed.rate_dps, .work = work_of(0)};
@@ -277,7 +277,7 @@ HalfResult Tracker::judge(const HalfFrame& half, const Exposed& exposed) {
   return result;
 }
 
-void Tracker::locate(const HalfFrame& half, const GyroPath& path, CircleSearch& search) {
+void Tracker::locate(const HalfFrame& half, const TurnPath& path, CircleSearch& search) {
   const Exposed exposed = expose(half, path);
   search.add(Alignment(panorama_, filter_, *lens_), view_of(half, exposed),
              exposed.azimuth_deg - located_deg_);

@@ -5,10 +5,36 @@
 #include <span>
 #include <vector>
 
-#include "angle_track.h"
 #include "thermorig/core/surroundings/half_frame.h"
+#include "thermorig/core/surroundings/turn_path.h"
 
 namespace thermorig::motion {
+
+/// A recording's gyro as it is, no bias, no scale taken into account: how far the rig has turned at any
+/// instant, and where samples are missing.
+class AngleTrack {
+ public:
+  explicit AngleTrack(std::span<const TimedGyro> gyro);
+
+  /// Times in seconds since the first sample.
+  const TurnPath& path() const { return path_; }
+  double seconds(HostTime time) const { return to_s(time - origin_); }
+
+  /// Over all samples.
+  double mean_rate_dps() const;
+
+  /// Number of the unbroken stretch of samples that covers the whole interval; none where samples are
+  /// missing.
+  std::optional<int> stretch(double begin_s, double end_s) const;
+
+ private:
+  struct Gap {  // from the last sample before it to the first one after it
+    double begin_s = 0.0, end_s = 0.0;
+  };
+  HostTime origin_{};
+  TurnPath path_;
+  std::vector<Gap> gaps_;
+};
 
 /// A chess half of a frame that was read anew: when it was exposed and how fast the rig turned.
 struct FreshHalf {

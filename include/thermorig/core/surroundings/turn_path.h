@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace thermorig::odometer {
+namespace thermorig {
 
 /// What the gyro turned by while a chess half was exposed, bias and scale not removed: enough to know the
 /// mean heading and its spread for any bias and scale. Times in seconds of the gyro's path.
@@ -21,21 +21,23 @@ struct ExposedTurn {
   double mean_read_dps() const { return (end_deg - begin_deg) / length_s(); }
 };
 
-/// What the gyro has turned by, bias and scale not removed, over its last minute or longer.
-class GyroPath {
+/// The gyro's integral: what it has turned by, bias and scale not removed. A sample stands for the instant of
+/// its stamp; between two the rate is a straight line.
+class TurnPath {
  public:
-  /// `kept`: samples; more are forgotten from the oldest on.
-  explicit GyroPath(std::size_t kept = a_minute) : kept_(kept), knots_(kept) {}
+  /// `kept`: samples, at least 1; more are forgotten from the oldest on.
+  explicit TurnPath(std::size_t kept = a_minute) : kept_(kept), knots_(kept) {}
 
   struct Knot {
     double time_s = 0.0;
     double turned_deg = 0.0;
     double rate_dps = 0.0;
     double unseen_deg2 = 0.0;  // variance of what was turned while nothing measured it
+    double sum_deg_s = 0.0;    // integral of what was turned
   };
 
   /// Times grow. `unseen_deg2`: of the step from the sample before.
-  void add(double time_s, double rate_dps, double unseen_deg2);
+  void add(double time_s, double rate_dps, double unseen_deg2 = 0.0);
   void clear() { count_ = 0; }
 
   bool has_begun() const { return count_ > 0; }
@@ -48,17 +50,26 @@ class GyroPath {
   void turned(double from_s, double step_s, std::span<double> turned_deg) const;
   ExposedTurn over(double begin_s, double end_s) const;
 
+  struct Mean {
+    double turned_deg = 0.0;
+    double rate_dps = 0.0;
+  };
+  /// Over the interval, for a look-up at either end, whatever its length: the angle is taken for a straight
+  /// line between samples, and to stay where it is beyond the first and the last of them.
+  Mean mean_over(double begin_s, double end_s) const;
+
  private:
   static constexpr std::size_t a_minute = 16384;
-  const Knot& at(std::size_t place) const { return knots_[place % kept_]; }
+  const Knot& at(std::size_t place) const { return knots_[place < kept_ ? place : place % kept_]; }
   std::size_t first() const { return count_ > kept_ ? count_ - kept_ : 0; }
   std::size_t after(double time_s) const;
   std::size_t after(double time_s, std::size_t from) const;
   Knot until(double time_s, std::size_t later) const;
+  Knot along_chords(double time_s) const;
 
   std::size_t kept_;
   std::vector<Knot> knots_;
   std::size_t count_ = 0;
 };
 
-}  // namespace thermorig::odometer
+}  // namespace thermorig
