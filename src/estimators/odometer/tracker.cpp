@@ -52,7 +52,7 @@ void Tracker::restart(const Priors& priors, RowOrder rows, bool things_move) {
   rows_ = rows;
   things_move_ = things_move;
   filter_ = HeadingFilter(priors);
-  panorama_.clear(do_rows_look_apart(), things_move);
+  panorama_.clear(things_move);
   pixels_ = PixelModel();
   has_begun_ = false;
   is_on_trial_ = false;
@@ -313,33 +313,18 @@ void Tracker::write(const View& view, double azimuth_deg, double sigma_deg, floa
       guess.slope[k] = slope;
       guess.variance[k] = 2.0F * variance[k] + static_cast<float>(0.3 * swept_deg2) * slope * slope;
     }
-    const auto reach_to = [&](const Panorama::Place& place) {
-      const double below_bins = is_edge ? std::max(place.half_width, pitch_bins) : pitch_bins;
-      guess.low = place.middle - below_bins;
-      guess.high = place.middle + below_bins;
-    };
-    if (view.rows == nullptr) {
-      const Panorama::Place place = alignment.place(view, azimuth_deg, column);
-      reach_to(place);
-      panorama_.seed(place, guess);
-    } else {
-      auto& places = written_[column].places;
-      places = alignment.places(view, azimuth_deg, column);
-      for (std::size_t k = 0; k < half_rows; ++k) {
-        reach_to(places[k]);
-        panorama_.seed_row(places[k], k, guess);
-      }
-    }
-    written_[column].shown = shown;
-    written_[column].variance = variance;
+    alignment.each_ray(view, azimuth_deg, column, [&](const Panorama::Ray& ray) {
+      const double below_bins = is_edge ? std::max(ray.half_width, pitch_bins) : pitch_bins;
+      guess.low = ray.middle - below_bins;
+      guess.high = ray.middle + below_bins;
+      panorama_.seed(ray, guess);
+    });
+    written_[column] = {shown, variance};
   }
-  for (std::size_t column = 0; column < frame_columns; ++column) {
-    const auto& [shown, variance, places] = written_[column];
-    if (view.rows == nullptr)
-      panorama_.write(alignment.place(view, azimuth_deg, column), shown, variance);
-    else
-      for (std::size_t k = 0; k < half_rows; ++k) panorama_.write_row(places[k], k, shown, variance);
-  }
+  for (std::size_t column = 0; column < frame_columns; ++column)
+    alignment.each_ray(view, azimuth_deg, column, [&](const Panorama::Ray& ray) {
+      panorama_.write(ray, written_[column].shown, written_[column].variance);
+    });
   panorama_.add_up();
 }
 

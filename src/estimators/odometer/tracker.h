@@ -146,7 +146,6 @@ class Tracker {
   std::array<double, HeadingFilter::nodes> rewritten_{};  // shares of an open map, by the newest half
   struct Written {
     Panorama::Column shown, variance;
-    Alignment::Places places;  // where rows look apart
   };
   std::array<Written, frame_columns> written_{};  // of the newest half
 };
