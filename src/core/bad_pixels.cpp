@@ -9,7 +9,6 @@
 namespace thermorig {
 
 namespace {
-constexpr std::uint16_t fresh_pixels = frame_pixels / 2 / 50;  // 2 %, as the detector of freshness has it
 constexpr std::uint32_t fewest_readings = 24;
 constexpr float memory_readings = 256.0F;
 // Beyond: no pixel that works (data sheet: 1 K of difference between pixels, or 2 in the corners of a frame).
@@ -75,8 +74,8 @@ PixelWatch::PixelWatch() {
 
 void PixelWatch::add(const TimedFrame& frame) {
   if (frame.stale || frame.stands_in) return;
-  if (frame.fresh_even > fresh_pixels) add_half(frame.frame, 0);
-  if (frame.fresh_odd > fresh_pixels) add_half(frame.frame, 1);
+  for (const unsigned parity : {0U, 1U})
+    if (frame.is_fresh(parity)) add_half(frame.frame, parity);
   judge();
 }
 

@@ -16,8 +16,7 @@ const std::vector<std::string>& needed() {
   return names;
 }
 
-constexpr std::uint16_t fresh_pixels = frame_pixels / 2 / 50;  // 2 %, as the detector of freshness has it
-constexpr double most_gap_s = 0.02;                            // between exposures that follow each other
+constexpr double most_gap_s = 0.02;  // between exposures that follow each other
 
 float typical(std::vector<float> values) {
   std::erase_if(values, [](float value) { return !std::isfinite(value); });
@@ -35,10 +34,9 @@ WindowBounds::WindowBounds(const RigProfile& profile)
 void WindowBounds::take(const TimedFrame& frame, std::span<const RateEstimate> estimates) {
   const RateEstimate& odometer = estimates[odometer_place];
   Seen seen{.half = frame.half, .end = frame.exposure_end};
-  seen.newest = frame.half[1].end >= frame.half[0].end ? 1 : 0;
-  const bool is_fresh = (seen.newest == 0 ? frame.fresh_even : frame.fresh_odd) > fresh_pixels;
-  seen.is_new = is_fresh && !frame.late && !frame.stale && !frame.stands_in && !frame.resync_before &&
-                frame.missing_before == 0;
+  seen.newest = frame.halves_by_time()[1];
+  seen.is_new = frame.is_fresh(seen.newest) && !frame.late && !frame.stale && !frame.stands_in &&
+                !frame.resync_before && frame.missing_before == 0;
   seen.gyro_dps = estimates[gyro_place].rate_dps;
   seen.heading_deg = odometer.angle_deg;
   seen.is_tracked = odometer.state == EstimateState::good;

@@ -2,18 +2,13 @@
 #include "thermorig/network/soundness.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "thermorig/core/frame.h"
+#include "thermorig/core/reading.h"
 
 namespace thermorig::network {
 
 namespace {
-
-constexpr float fastest_dps = 10'000.0F;                 // five times the range of any gyro at hand
-constexpr float coldest_c = -60.0F, hottest_c = 400.0F;  // as Reason::out_of_range
-
-bool is_temperature(float temp_c) {
-  return coldest_c <= temp_c && temp_c <= hottest_c;
-}
 
 bool is_sound(const Acquisition& acquisition, std::size_t frame, std::span<const float> temp_c) {
   return is_sound_rate(acquisition.label_dps[frame]) && is_sound_rate(acquisition.gyro_dps[frame]) &&
@@ -23,7 +18,7 @@ bool is_sound(const Acquisition& acquisition, std::size_t frame, std::span<const
 }  // namespace
 
 bool is_sound_rate(float rate_dps) {
-  return std::abs(rate_dps) <= fastest_dps;  // false for NaN
+  return is_rate(rate_dps);
 }
 
 bool is_sound_image(std::span<const float> temp_c) {

@@ -53,7 +53,7 @@ class Searched {
 
  private:
   GyroSearch search_;
-  GyroPath path_;
+  TurnPath path_;
   HalfStore store_;
   double begun_s_ = 0.0;
   std::vector<std::optional<Priors>> found_;

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "estimators/odometer/gyro_path.h"
+#include "thermorig/core/surroundings/turn_path.h"
 
 namespace thermorig::odometer {
 namespace {
@@ -14,29 +14,9 @@ const HeadingFilter::Row of_heading{1.0};  // of a still rig's exposure
 
 /// An exposure that ends now, at a constant reading.
 ExposedTurn turn_at(double read_dps) {
-  GyroPath path;
+  TurnPath path;
   for (int i = 0; i <= 200; ++i) path.add(0.005 * i, read_dps, 0.0);
   return path.over(0.875, 1.0);
-}
-
-TEST(GyroPath, KnowsWhatWasTurnedAtAnyTime) {
-  GyroPath path;
-  for (int i = 0; i <= 200; ++i) path.add(0.005 * i, 100.0 * 0.005 * i, 0.0);  // 100 deg/s^2
-  EXPECT_NEAR(path.until(0.5).turned_deg, 12.5, 1e-9);
-  EXPECT_NEAR(path.until(0.5025).turned_deg, 50.0 * 0.5025 * 0.5025, 1e-9);
-  EXPECT_NEAR(path.until(1.1).turned_deg, 50.0 + 10.0, 1e-9);  // its rate goes on
-  const ExposedTurn turn = path.over(0.4, 0.6);
-  EXPECT_NEAR(turn.mean_deg, 50.0 * (0.25 + 0.04 / 12.0), 1e-3);
-  EXPECT_NEAR(turn.end_deg - turn.begin_deg, 10.0, 1e-9);
-}
-
-TEST(GyroPath, KnowsTheSameAtManyTimesAtOnce) {
-  GyroPath path;
-  for (int i = 0; i <= 200; ++i) path.add(0.005 * i, 100.0 * 0.005 * i, 0.0);
-  std::array<double, 50> turned_deg;
-  path.turned(-0.1, 0.0251, turned_deg);  // before its begin, and beyond its end
-  for (std::size_t i = 0; i < turned_deg.size(); ++i)
-    EXPECT_DOUBLE_EQ(turned_deg[i], path.until(-0.1 + 0.0251 * static_cast<double>(i)).turned_deg);
 }
 
 TEST(HeadingFilter, TurnsByTheReadingLessBiasAndScale) {

@@ -15,6 +15,12 @@ constexpr unsigned subpage_of(std::size_t row, std::size_t column) {
   return static_cast<unsigned>((row ^ column) & 1U);
 }
 
+/// Within the sensor's range; false for NaN.
+constexpr bool is_temperature(float temp_c) {
+  constexpr float coldest_c = -60.0F, hottest_c = 400.0F;
+  return static_cast<unsigned>(temp_c >= coldest_c) & static_cast<unsigned>(temp_c <= hottest_c);
+}
+
 /// One thermal image in the order in which the sensor sends it (a mirror image of the scene: see
 /// `CameraProfile::mirrored`). What the bridge sends is kept as it is; nothing is repaired here.
 struct ThermalFrame {

@@ -16,6 +16,11 @@ struct GyroReading {
   bool saturated = false;                      // a count at either end of its range
 };
 
+/// Five times the range of any gyro at hand, at most; false for NaN.
+constexpr bool is_rate(float rate_dps) {
+  return rate_dps >= -10'000.0F && rate_dps <= 10'000.0F;
+}
+
 /// Motion state that the servo firmware reports. Values are those of protocols/servo_link.h.
 enum class ServoMotion : std::uint8_t { disarmed = 0, holding = 1, ramping = 2, steady = 3, stopping = 4 };
 

@@ -7,6 +7,7 @@
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/frame.h"
+#include "thermorig/core/freshness.h"
 #include "thermorig/core/reading.h"
 #include "thermorig/core/time.h"
 #include "thermorig/core/validity.h"
@@ -28,6 +29,10 @@ struct HalfExposure {
   HostTime begin{};
   HostTime end{};
   bool operator==(const HalfExposure&) const = default;
+
+  /// It ends after its begin, and is no longer than one of a half at 0.5 frames a second: what clocks and
+  /// lost frames make of others is none.
+  bool is_possible() const { return end > begin && end - begin <= std::chrono::seconds(4); }
 };
 
 /// A frame with its place in the byte stream and its time.
@@ -47,6 +52,16 @@ struct TimedFrame {
   bool stale = false;      // repeats the frame before, or the half that was due did not come
   bool half_lost = false;  // the latter: it shows the one before it still
   bool stands_in = false;  // for one of a camera that is missing: it has no image, every pixel is NaN
+
+  /// That chess half was read anew.
+  bool is_fresh(unsigned parity) const {
+    return (parity == 0 ? fresh_even : fresh_odd) > Freshness::threshold;
+  }
+  /// The chess halves, the one that was exposed last behind the other.
+  std::array<unsigned, 2> halves_by_time() const {
+    const unsigned first = half[0].end <= half[1].end ? 0U : 1U;
+    return {first, first ^ 1U};
+  }
 };
 
 struct TimedGyro {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -33,7 +32,7 @@ class WindowBounds {
   struct Seen {
     std::array<HalfExposure, 2> half;
     HostTime end{};
-    std::uint8_t newest = 0;   // half
+    unsigned newest = 0;       // half
     bool is_new = false;       // it was read anew, and nothing is missing before
     float gyro_dps = 0.0F;     // mean over the exposures
     double heading_deg = 0.0;  // at the end

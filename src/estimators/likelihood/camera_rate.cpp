@@ -15,8 +15,6 @@ namespace thermorig::likelihood {
 
 namespace {
 
-constexpr std::uint16_t fresh_pixels = frame_pixels / 2 / 50;  // 2 %, as the detector of freshness has it
-constexpr HostDuration longest_exposure = std::chrono::seconds(4);  // of a half: at 0.5 frames a second
 constexpr double most_gap = 0.2;               // between two halves, of an exposure: they follow each other
 constexpr double first_noise_variance = 0.36;  // of a reading: a data sheet's 0.6 K until windows have told
 constexpr double least_noise_variance = 1e-4, noise_share = 0.05;
@@ -32,10 +30,6 @@ struct Half {
   HostTime begin{}, end{};
   HostTime frame_end{};  // of the frame that brought it
 };
-
-bool is_exposure(const HalfExposure& half) {
-  return half.end > half.begin && half.end - half.begin <= longest_exposure;
-}
 
 }  // namespace
 
@@ -161,12 +155,11 @@ CameraRate& CameraRate::operator=(CameraRate&&) noexcept = default;
 CameraRateReport CameraRate::add(const TimedFrame& frame) {
   Parts& parts = *parts_;
   CameraRateReport report;
-  const std::array<bool, 2> is_fresh{frame.fresh_even > fresh_pixels, frame.fresh_odd > fresh_pixels};
-  const unsigned first = frame.half[0].end <= frame.half[1].end ? 0U : 1U;
   const bool is_timed = !frame.late && !frame.stale && !frame.stands_in;
   std::size_t taken = 0;
-  for (const unsigned parity : {first, first ^ 1U})
-    if (is_timed && is_fresh[parity] && is_exposure(frame.half[parity]) && parts.take(frame, parity)) ++taken;
+  for (const unsigned parity : frame.halves_by_time())
+    if (is_timed && frame.is_fresh(parity) && frame.half[parity].is_possible() && parts.take(frame, parity))
+      ++taken;
   report.has_image = taken > 0;
   if (taken == 0) parts.count = 0;
   parts.in_a_row = taken > 0 ? std::min(parts.in_a_row + 1, most_window_frames) : 0;

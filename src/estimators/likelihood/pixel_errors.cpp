@@ -8,17 +8,12 @@ namespace thermorig::likelihood {
 
 namespace {
 
-constexpr float coldest_c = -60.0F, hottest_c = 400.0F;  // beyond: no temperature of the sensor's range
 constexpr std::size_t most_unsound = frame_pixels / 16;  // of a half's 384
 constexpr float stuck_after = 3.0F;                      // repeats: readings have noise
 constexpr float broken_c = 2.0F;                         // of a constant error
 constexpr float glitch = 7.0F;                           // of the typical difference from those about a pixel
 constexpr float most_change_c = 3.0F;                    // that one half counts with
 constexpr float most_halves_learnt = 300.0F, prior_halves = 15.0F;
-
-bool is_sound(float temp_c) {
-  return temp_c > coldest_c && temp_c < hottest_c;  // false for NaN
-}
 
 struct Offset {
   int row, column;
@@ -35,7 +30,7 @@ float about(const ThermalFrame& frame, std::size_t row, std::size_t column) {
     const std::size_t c = column + static_cast<std::size_t>(offset.column);
     if (r >= frame_rows || c >= frame_columns) continue;
     const float temp_c = frame.temp_c[r * frame_columns + c];
-    if (!is_sound(temp_c)) continue;
+    if (!is_temperature(temp_c)) continue;
     std::size_t k = count++;
     for (; k > 0 && sorted[k - 1] > temp_c; --k) sorted[k] = sorted[k - 1];
     sorted[k] = temp_c;
@@ -55,8 +50,8 @@ bool PixelErrors::clean(const ThermalFrame& frame, unsigned parity, HalfLines& l
       const float temp_c = frame.temp_c[row * frame_columns + column];
       Pixel& pixel = half.pixels[i];
       about_c_[i] = about(frame, row, column);
-      lines[row][k] = is_sound(temp_c) ? temp_c : about_c_[i];
-      unsound += is_sound(temp_c) ? 0 : 1;
+      lines[row][k] = is_temperature(temp_c) ? temp_c : about_c_[i];
+      unsound += is_temperature(temp_c) ? 0 : 1;
       pixel.repeats = temp_c == pixel.last_c ? pixel.repeats + 1.0F : 0.0F;
       pixel.last_c = temp_c;
       pixel.beyond_c = lines[row][k] - about_c_[i];

@@ -35,27 +35,6 @@ double robust_squares(float left_c, float weight) {
 
 }  // namespace
 
-void Alignment::look(const View& view, double azimuth_deg, std::size_t column, const Slope& slope,
-                     Panorama::Look& look) const {
-  if (view.rows == nullptr) {
-    panorama_.look(place(view, azimuth_deg, column), slope.reach, slope.smooth, look);
-    return;
-  }
-  const Places places = this->places(view, azimuth_deg, column);
-  for (std::size_t k = 0; k < half_rows; ++k)
-    panorama_.look_row(places[k], k, slope.reach, slope.smooth, look);
-}
-
-void Alignment::look_at_mean(const View& view, double azimuth_deg, std::size_t column,
-                             Panorama::Look& look) const {
-  if (view.rows == nullptr) {
-    panorama_.look_at_mean(place(view, azimuth_deg, column), Slope().reach, look);
-    return;
-  }
-  const Places places = this->places(view, azimuth_deg, column);
-  for (std::size_t k = 0; k < half_rows; ++k) panorama_.look_at_mean_row(places[k], k, Slope().reach, look);
-}
-
 HalfPixels Alignment::beside_row(const View& view, double azimuth_deg) const {
   HalfPixels beside{};
   for (std::size_t column = 0; column < frame_columns; ++column)
@@ -66,7 +45,7 @@ HalfPixels Alignment::beside_row(const View& view, double azimuth_deg) const {
       const std::size_t below = std::min(above + 1, frame_rows - 1);
       const auto shown_c = [&](std::size_t in_row) {
         Panorama::Column temp_c, known;
-        panorama_.look_row(place_in_row(view, azimuth_deg, column, row, in_row), in_row / 2, temp_c, known);
+        panorama_.look(ray_in_row(view, azimuth_deg, column, row, in_row), temp_c, known);
         return known[in_row / 2] > 0.0F ? temp_c[in_row / 2] : std::numeric_limits<float>::quiet_NaN();
       };
       const float part = static_cast<float>(map_row - static_cast<double>(above));
@@ -94,7 +73,8 @@ Alignment::Residuals Alignment::residuals(const View& view, double azimuth_deg) 
   Residuals all;
   Panorama::Look look;
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    look_at_mean(view, azimuth_deg, column, look);
+    each_ray(view, azimuth_deg, column,
+             [&](const Panorama::Ray& ray) { panorama_.look_at_mean(ray, Slope().reach, look); });
     all.take(view, column, look);
   }
   return all;
@@ -120,7 +100,8 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
   Residuals all;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     Panorama::Look look;
-    this->look(view, azimuth_deg, column, slope, look);
+    each_ray(view, azimuth_deg, column,
+             [&](const Panorama::Ray& ray) { panorama_.look(ray, slope.reach, slope.smooth, look); });
     all.take(view, column, look);
     const std::size_t first = column * half_rows;
     std::copy(look.variance.begin(), look.variance.end(), &comparison.map_variance[first]);
@@ -189,12 +170,8 @@ double Alignment::squares(const View& view, double azimuth_deg) const {
   float sum = 0.0F, weights = 1e-6F, flat_sum = 0.0F, flat_weights = 1e-6F;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     Panorama::Column temp_c, is_known;
-    if (view.rows == nullptr) {
-      panorama_.look(place(view, azimuth_deg, column), temp_c, is_known);
-    } else {
-      const Places places = this->places(view, azimuth_deg, column);
-      for (std::size_t k = 0; k < half_rows; ++k) panorama_.look_row(places[k], k, temp_c, is_known);
-    }
+    each_ray(view, azimuth_deg, column,
+             [&](const Panorama::Ray& ray) { panorama_.look(ray, temp_c, is_known); });
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       expected[i] = temp_c[k];

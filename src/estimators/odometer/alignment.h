@@ -4,12 +4,18 @@
 #include <array>
 #include <cstddef>
 
-#include "half_reading.h"
 #include "heading_filter.h"
 #include "lens.h"
 #include "panorama.h"
+#include "thermorig/core/surroundings/half_frame.h"
 
 namespace thermorig::odometer {
+
+/// Where each row looks and how far it sweeps, if rows are exposed one after the other: rows from the top.
+struct RowSweeps {
+  std::array<float, frame_rows> shift_deg{};  // against the middle of the frame
+  std::array<float, frame_rows> half_width_deg{};
+};
 
 /// A half to be laid against the panorama: what it shows without its pixels' errors, and their noise.
 struct View {
@@ -76,20 +82,15 @@ class Alignment {
   };
   Explained explained(const View& view, double azimuth_deg) const;
 
-  /// Where a column of pixels looks in the map, all of its rows at once.
-  Panorama::Place place(const View& view, double azimuth_deg, std::size_t column) const {
-    return Panorama::place(map_azimuth_deg(azimuth_deg + lens_.bearing_deg(column)), view.half_width_deg,
-                           row_class(column, view.parity));
-  }
-  /// The same of each of its pixels, if the view has rows that look elsewhere.
-  using Places = std::array<Panorama::Place, half_rows>;
-  Places places(const View& view, double azimuth_deg, std::size_t column) const {
-    Places places;
-    for (std::size_t k = 0; k < half_rows; ++k) {
-      const std::size_t row = row_of(column, k, view.parity);
-      places[k] = place_in_row(view, azimuth_deg, column, row, row);
-    }
-    return places;
+  /// `take` gets the rays along which a column of pixels looks at the map: one of all of them, or if the view
+  /// has rows that look elsewhere, one each.
+  template <typename Take>
+  void each_ray(const View& view, double azimuth_deg, std::size_t column, Take take) const {
+    if (view.rows == nullptr)
+      return take(Panorama::of_column(map_azimuth_deg(azimuth_deg + lens_.bearing_deg(column)),
+                                      view.half_width_deg, row_class(column, view.parity)));
+    for (std::size_t row = row_class(column, view.parity); row < frame_rows; row += 2)
+      take(ray_in_row(view, azimuth_deg, column, row, row));
   }
 
   /// What the map shows where each pixel looks, less what it shows there in the pixel's own row: of a camera
@@ -110,15 +111,12 @@ class Alignment {
   Fit fit(const View& view, double azimuth_deg) const;
   double map_azimuth_deg(double at_deg) const { return at_deg - filter_.map_offset_deg(at_deg); }
   /// Where a pixel of `row` looks, in that row of the map.
-  Panorama::Place place_in_row(const View& view, double azimuth_deg, std::size_t column, std::size_t row,
-                               std::size_t map_row) const {
+  Panorama::Ray ray_in_row(const View& view, double azimuth_deg, std::size_t column, std::size_t row,
+                           std::size_t map_row) const {
     const double bearing_deg = lens_.is_plain() ? lens_.bearing_deg(column) : lens_.bearing_deg(column, row);
-    return Panorama::place(map_azimuth_deg(azimuth_deg + double{view.rows->shift_deg[row]} + bearing_deg),
-                           double{view.rows->half_width_deg[row]}, map_row % 2);
+    return Panorama::of_pixel(map_azimuth_deg(azimuth_deg + double{view.rows->shift_deg[row]} + bearing_deg),
+                              double{view.rows->half_width_deg[row]}, map_row);
   }
-  void look(const View& view, double azimuth_deg, std::size_t column, const Slope& slope,
-            Panorama::Look& look) const;
-  void look_at_mean(const View& view, double azimuth_deg, std::size_t column, Panorama::Look& look) const;
   double searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const;
 
   const Panorama& panorama_;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gyro_path.h"
 #include "heading_filter.h"
+#include "thermorig/core/surroundings/turn_path.h"
 
 namespace thermorig::odometer {
 
@@ -13,7 +13,7 @@ namespace thermorig::odometer {
 class GyroHeading {
  public:
   /// `then`: of the path, where the filter is. `sigma_deg`: of its heading in the map.
-  GyroHeading(const GyroPath::Knot& then, const HeadingFilter& filter, double sigma_deg)
+  GyroHeading(const TurnPath::Knot& then, const HeadingFilter& filter, double sigma_deg)
       : then_(then),
         heading_deg_(filter.heading_deg()),
         sigma_deg_(sigma_deg),
@@ -21,9 +21,9 @@ class GyroHeading {
         bias_sigma_dps_(filter.sigma(HeadingFilter::bias)),
         scale_(filter.scale_factor()) {}
 
-  double deg(const GyroPath::Knot& now) const { return deg(now, bias_dps_); }
+  double deg(const TurnPath::Knot& now) const { return deg(now, bias_dps_); }
   /// The same with another bias.
-  double deg(const GyroPath::Knot& now, double bias_dps) const {
+  double deg(const TurnPath::Knot& now, double bias_dps) const {
     return heading_deg_ + (now.turned_deg - then_.turned_deg - bias_dps * since_s(now)) / scale_;
   }
 
@@ -36,25 +36,25 @@ class GyroHeading {
   }
 
   /// One standard deviation, that of a bias which begins to change included.
-  double sigma_deg(const GyroPath::Knot& now) const {
+  double sigma_deg(const TurnPath::Knot& now) const {
     return sigma_with(now, bias_sigma_dps_ + bias_change_dps);
   }
   /// The same with another bias, which was learnt later and is known so well, whatever it changed by before.
-  double sigma_deg(const GyroPath::Knot& now, double bias_sigma_dps) const {
+  double sigma_deg(const TurnPath::Knot& now, double bias_sigma_dps) const {
     return sigma_with(now, std::hypot(bias_sigma_dps, bias_change_dps));
   }
 
  private:
   static constexpr double least_sigma_deg = 1.0, bias_change_dps = 0.02;
-  double since_s(const GyroPath::Knot& now) const { return now.time_s - then_.time_s; }
-  double sigma_with(const GyroPath::Knot& now, double bias_sigma_dps) const {
+  double since_s(const TurnPath::Knot& now) const { return now.time_s - then_.time_s; }
+  double sigma_with(const TurnPath::Knot& now, double bias_sigma_dps) const {
     const double walked_deg2 = square(HeadingFilter::walk_deg) * since_s(now);
     const double unseen_deg2 = std::max(0.0, now.unseen_deg2 - then_.unseen_deg2);
     return std::sqrt(square(sigma_deg_) + square(least_sigma_deg) + walked_deg2 + unseen_deg2 +
                      square(bias_sigma_dps * since_s(now)));
   }
 
-  GyroPath::Knot then_;
+  TurnPath::Knot then_;
   double heading_deg_, sigma_deg_;
   double bias_dps_, bias_sigma_dps_, scale_;
 };

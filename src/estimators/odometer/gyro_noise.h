@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "half_reading.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/core/surroundings/half_frame.h"
 
 namespace thermorig::odometer {
 

@@ -59,13 +59,13 @@ void GyroSearch::clear() {
   new_halves_ = 0;
 }
 
-void GyroSearch::add(const HalfStore& store, const GyroPath& path) {
+void GyroSearch::add(const HalfStore& store, const TurnPath& path) {
   ++new_halves_;
   if (is_searching()) return go_on();
   if (store.count() >= fewest_halves && new_halves_ >= halves_between) begin(store, path);
 }
 
-void GyroSearch::begin(const HalfStore& store, const GyroPath& path) {
+void GyroSearch::begin(const HalfStore& store, const TurnPath& path) {
   new_halves_ = 0;
   mosaic_.take(store, path);
   if (mosaic_.halves() >= fewest_halves) lay_grid();

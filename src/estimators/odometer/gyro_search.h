@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "gyro_path.h"
 #include "half_store.h"
 #include "heading_filter.h"
 #include "lens.h"
 #include "mosaic.h"
+#include "thermorig/core/surroundings/turn_path.h"
 
 namespace thermorig::odometer {
 
@@ -29,7 +29,7 @@ class GyroSearch {
 
   /// With each new half of the store: a step of bounded work. A search takes the newest halves, and ends up
   /// to a few seconds later; then another one begins.
-  void add(const HalfStore& store, const GyroPath& path);
+  void add(const HalfStore& store, const TurnPath& path);
   /// What was expected, with a better bias and scale, by the last search that told. Nothing: none has. That
   /// of a rig that rests or turns at one speed tells the rate, and not what of it is bias and what scale.
   /// Where searches told the order of rows, the camera's latency with it as well.
@@ -47,7 +47,7 @@ class GyroSearch {
   };
 
   bool is_searching() const { return level_ <= order_level; }
-  void begin(const HalfStore& store, const GyroPath& path);
+  void begin(const HalfStore& store, const TurnPath& path);
   void lay_grid();
   void go_on();
   void end_level();

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "half_reading.h"
+#include "thermorig/core/surroundings/half_frame.h"
 
 namespace thermorig::odometer {
 
@@ -15,11 +15,11 @@ class HalfStore {
   HalfStore() : halves_(room) {}
 
   struct Stored {
-    HalfReading half;
+    HalfFrame half;
     double now_s = 0.0;  // when it came
   };
 
-  void add(const HalfReading& half, double now_s) {
+  void add(const HalfFrame& half, double now_s) {
     if (count_ < room) halves_[count_++] = {half, now_s};
   }
   std::size_t count() const { return count_; }

@@ -7,7 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "half_reading.h"
+#include "thermorig/core/surroundings/half_frame.h"
+#include "thermorig/core/surroundings/turn_path.h"
 #include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <memory>
 
-#include "half_reading.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/core/surroundings/half_frame.h"
 
 namespace thermorig::odometer {
 

@@ -108,7 +108,7 @@ void LensAdjustment::place_looks() {
 }
 
 float LensAdjustment::reading_c(std::size_t half, std::size_t i) const {
-  const HalfReading& reading = *halves_[half].half;
+  const HalfFrame& reading = *halves_[half].half;
   return reading.temp_c[i] - common_c_[half] - offset_c_[reading.parity][i];
 }
 

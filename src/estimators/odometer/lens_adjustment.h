@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "half_reading.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/core/surroundings/half_frame.h"
 
 namespace thermorig::odometer {
 
@@ -21,7 +21,7 @@ CameraProfile camera_with(CameraProfile camera, const LensValues& values);
 
 /// A chess half, where it is thought to look, and how fast the rig turned.
 struct SweptHalf {
-  const HalfReading* half = nullptr;
+  const HalfFrame* half = nullptr;
   double heading_deg = 0.0;
   double rate_dps = 0.0;
   double turned_deg = 0.0;  // since the half before, by the gyro

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "gyro_path.h"
-#include "half_reading.h"
 #include "lens.h"
 #include "lens_adjustment.h"
+#include "thermorig/core/surroundings/half_frame.h"
+#include "thermorig/core/surroundings/turn_path.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
@@ -45,8 +45,8 @@ constexpr double more_share = 0.02;  // more than the round before: worth anothe
 
 /// A recording as a tracker takes it.
 struct Sweep {
-  GyroPath path{1};
-  std::vector<HalfReading> halves;
+  TurnPath path{1};
+  std::vector<HalfFrame> halves;
 };
 
 /// Where all halves look, with one lens.
@@ -63,13 +63,12 @@ Sweep sweep_of(std::span<const TimedFrame> frames, std::span<const TimedGyro> gy
   Sweep sweep;
   if (gyro.empty()) return sweep;
   const HostTime origin = gyro.front().stamp.time;
-  sweep.path = GyroPath(gyro.size());
+  sweep.path = TurnPath(gyro.size());
   double before_s = 0.0;
   std::optional<double> moving_since_s;
   for (const TimedGyro& sample : gyro) {
     const double time_s = to_s(sample.stamp.time - origin);
-    const bool is_rate = std::abs(double{sample.rate_dps}) < largest_rate_dps;  // false for NaN
-    if (!is_rate || (sweep.path.has_begun() && time_s <= before_s)) continue;
+    if (!is_rate(sample.rate_dps) || (sweep.path.has_begun() && time_s <= before_s)) continue;
     const double step_s = sweep.path.has_begun() ? time_s - before_s : 0.0;
     before_s = time_s;
     const double unseen = unseen_deg(lost_s(step_s, 1.0 / profile.output_rate_hz));
@@ -80,8 +79,7 @@ Sweep sweep_of(std::span<const TimedFrame> frames, std::span<const TimedGyro> gy
   if (!sweep.path.has_begun()) return sweep;
   const double first_s = std::max(sweep.path.begin_s(), moving_since_s.value_or(before_s) - 1.0);
   for (const TimedFrame& frame : frames) {
-    const unsigned first = frame.half[0].end <= frame.half[1].end ? 0U : 1U;
-    for (const unsigned parity : {first, first ^ 1U}) {
+    for (const unsigned parity : frame.halves_by_time()) {
       if (sweep.halves.size() == most_fitted) return sweep;
       const auto half = half_of(frame, parity, origin);
       if (half && half->begin_s > first_s && half->end_s < before_s) sweep.halves.push_back(*half);
@@ -100,7 +98,7 @@ Pass pass_with(const Sweep& sweep, const CameraProfile& camera, const Priors& be
   double squares_k2 = 0.0, judged = 0.0, before_s = 0.0, before_deg = 0.0;
   bool was_good = false;
   for (std::size_t i = 0; i < sweep.halves.size(); ++i) {
-    const HalfReading& half = sweep.halves[i];
+    const HalfFrame& half = sweep.halves[i];
     if (!tracker.has_begun() || half.end_s > tracker.now_s()) tracker.advance(sweep.path, half.end_s);
     const HalfResult result = tracker.add(half, sweep.path);
     const bool is_seen = result.is_judged && result.is_used;

@@ -25,10 +25,10 @@ Mosaic::Mosaic(const SharedLens& lens) : lens_(lens) {
   cells_.reserve(static_cast<std::size_t>(whole_turn_deg / (finest_cell_pixels * lens_->pitch_deg())) + 2);
 }
 
-void Mosaic::take(const HalfStore& store, const GyroPath& path) {
+void Mosaic::take(const HalfStore& store, const TurnPath& path) {
   placed_.clear();
   for (std::size_t i = store.count() - std::min(store.count(), most_halves); i < store.count(); ++i) {
-    const HalfReading& half = store.at(i).half;
+    const HalfFrame& half = store.at(i).half;
     if (half.begin_s > path.begin_s()) place(half, path);
   }
   for (std::size_t band = 0; band < bands; ++band) {
@@ -57,7 +57,7 @@ double Mosaic::mean_read_dps() const {
   return (placed_.back().mean_deg - placed_.front().mean_deg) / spanned_s();
 }
 
-void Mosaic::place(const HalfReading& half, const GyroPath& path) {
+void Mosaic::place(const HalfFrame& half, const TurnPath& path) {
   const ExposedTurn turn = path.over(half.begin_s, half.end_s);
   Placed& placed = placed_.emplace_back(Placed{.of = {},
                                                .parity = half.parity,

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "gyro_path.h"
 #include "half_store.h"
 #include "lens.h"
+#include "thermorig/core/surroundings/turn_path.h"
 
 namespace thermorig::odometer {
 
@@ -27,7 +27,7 @@ class Mosaic {
   explicit Mosaic(const SharedLens& lens);
 
   /// The newest halves of the store, instead of those before.
-  void take(const HalfStore& store, const GyroPath& path);
+  void take(const HalfStore& store, const TurnPath& path);
 
   /// Of normal readings with an unknown variance in cells so many pixels wide, by the middle band or by all.
   /// It is to be trusted far less: halves are blurred, and what moves is in several.
@@ -66,7 +66,7 @@ class Mosaic {
     double log_likelihood() const;
   };
 
-  void place(const HalfReading& half, const GyroPath& path);
+  void place(const HalfFrame& half, const TurnPath& path);
   void clip(Band& band);
   void take_off_errors_of_looks(std::size_t band);
   double band_delay_periods(RowOrder order, std::size_t band) const;

@@ -9,7 +9,6 @@
 #include "circle_search.h"
 #include "gyro_heading.h"
 #include "gyro_noise.h"
-#include "gyro_path.h"
 #include "gyro_watch.h"
 #include "heading_trust.h"
 #include "innovation_count.h"
@@ -18,6 +17,7 @@
 #include "plausibility.h"
 #include "start.h"
 #include "thermorig/core/gyro_delay.h"
+#include "thermorig/core/surroundings/turn_path.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
@@ -68,12 +68,12 @@ struct Odometer::Parts {
 
   Report add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
   void add_gyro(const TimedGyro& sample);
-  void add_half(const HalfReading& half, double now_s);
-  void start_anywhere(const HalfReading& half, double now_s);
-  void start_in_map(const HalfReading& half, double now_s);
+  void add_half(const HalfFrame& half, double now_s);
+  void start_anywhere(const HalfFrame& half, double now_s);
+  void start_in_map(const HalfFrame& half, double now_s);
   const NisBounds& nis_bounds() const { return odometer::nis_bounds(start.things_move()); }
-  void run(const HalfReading& half);
-  void locate(const HalfReading& half, double now_s);
+  void run(const HalfFrame& half);
+  void locate(const HalfFrame& half, double now_s);
   void follow_lean(const HalfResult& result, double now_s);
   void count_innovation(const HalfResult& result);
   void watch_for_cover(const HalfResult& result, bool is_on_trial);
@@ -88,7 +88,7 @@ struct Odometer::Parts {
   void keep_sound_heading(const HalfResult& result, double now_s);
   std::optional<CircleSearch::Found> by_gyro() const;
   bool does_gyro_differ() const;
-  bool is_map_given_up(const HalfReading& half);
+  bool is_map_given_up(const HalfFrame& half);
   Report report(const TimedFrame& frame, double now_s) const;
   Reason reason(double now_s) const;
   Priors known_of_gyro() const;
@@ -116,7 +116,7 @@ struct Odometer::Parts {
   FoundRows rows;     // by the last start that ended
   double lens_share;  // one standard deviation: of all angles that nothing but the lens tells
   SharedLens lens;
-  GyroPath path;
+  TurnPath path;
   GyroWatch watch;
   Tracker front;  // the one that is told of
   Start start;
@@ -176,7 +176,7 @@ MapUse Odometer::map_use() const {
 void Odometer::Parts::add_gyro(const TimedGyro& sample) {
   const HostTime time = sample.stamp.time;
   const double read_dps = double{sample.rate_dps};
-  if (!(std::abs(read_dps) < largest_rate_dps)) return;
+  if (!is_rate(sample.rate_dps)) return;
   if (!origin) origin = last_sample = time - std::chrono::milliseconds(1);
   if (time <= last_sample) {
     if (last_sample - time >= clock_begins_anew) forget_clock();
@@ -206,15 +206,14 @@ Report Odometer::Parts::add(const TimedFrame& frame, std::span<const TimedGyro> 
   if (has_heading() && now_s > front.now_s()) front.advance(path, now_s);
   stands_in = frame.stands_in;
   if (phase == Phase::running && gyro_was_away && !watch.is_frozen()) begin_search(now_s);
-  const unsigned first = frame.half[0].end <= frame.half[1].end ? 0U : 1U;
-  for (const unsigned parity : {first, first ^ 1U}) {
+  for (const unsigned parity : frame.halves_by_time()) {
     const auto half = half_of(frame, parity, *origin);
     if (half && half->begin_s > path.begin_s()) add_half(*half, now_s);
   }
   return report(frame, now_s);
 }
 
-void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
+void Odometer::Parts::add_half(const HalfFrame& half, double now_s) {
   last_half_s = now_s;
   has_seen = true;
   switch (phase) {
@@ -230,7 +229,7 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
   }
 }
 
-void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
+void Odometer::Parts::start_anywhere(const HalfFrame& half, double now_s) {
   switch (start.add(half, now_s)) {
     case Start::Outcome::goes_on:
       break;
@@ -255,7 +254,7 @@ void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
   }
 }
 
-void Odometer::Parts::start_in_map(const HalfReading& half, double now_s) {
+void Odometer::Parts::start_in_map(const HalfFrame& half, double now_s) {
   const auto better = start.find_gyro(half, now_s);
   if (!better) return;
   sought_with = *better;
@@ -302,12 +301,12 @@ void Odometer::Parts::prove_map() {
 }
 
 /// What the camera shows was sought in the map of before for long enough. A rig at rest may wait.
-bool Odometer::Parts::is_map_given_up(const HalfReading& half) {
+bool Odometer::Parts::is_map_given_up(const HalfFrame& half) {
   if (std::abs(front.rate_dps()) > turning_dps) sought_in_map_s += half.end_s - half.begin_s;
   return sought_in_map_s > give_up_s;
 }
 
-void Odometer::Parts::run(const HalfReading& half) {
+void Odometer::Parts::run(const HalfFrame& half) {
   if (watch.is_frozen() && !watch.is_zero()) return;
   const bool is_on_trial = map_use == MapUse::searching;
   const HalfResult result = front.add(half, path, trust.is_trusted() && !is_on_trial);
@@ -367,7 +366,7 @@ void Odometer::Parts::keep_sound_heading(const HalfResult& result, double now_s)
 /// The heading, if the gyro was there since one was sound.
 std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
   if (!sound) return std::nullopt;
-  const GyroPath::Knot now = path.until(front.now_s());
+  const TurnPath::Knot now = path.until(front.now_s());
   return CircleSearch::Found{sound->deg(now), sound->sigma_deg(now)};
 }
 
@@ -413,7 +412,7 @@ void Odometer::Parts::begin_search(double now_s) {
   phase = Phase::locating;
 }
 
-void Odometer::Parts::locate(const HalfReading& half, double now_s) {
+void Odometer::Parts::locate(const HalfFrame& half, double now_s) {
   front.locate(half, path, circle);
   auto expected = by_gyro();  // where the newest half looks, which may have ended before now
   if (expected) expected->azimuth_deg += front.located_deg() - front.filter().heading_deg();

@@ -16,9 +16,9 @@ constexpr float widening = 0.5F, most_widened = 4.0F;  // of a bin's variance, a
 constexpr float least_bin_variance = 1e-3F;            // of a bin: surroundings change
 
 /// From what comes into a mean less what goes out of it, moved by `reach` to both sides, to its slope.
-float slope_scale(const Panorama::Place& place, std::ptrdiff_t reach) {
+float slope_scale(const Panorama::Ray& ray, std::ptrdiff_t reach) {
   return static_cast<float>(1.0 /
-                            (2.0 * place.half_width * 2.0 * static_cast<double>(reach) * Panorama::bin_deg));
+                            (2.0 * ray.half_width * 2.0 * static_cast<double>(reach) * Panorama::bin_deg));
 }
 
 /// In the other class of rows: of row 2k those are k - 1 and k of the odd ones, of row 2k + 1 k and k + 1 of
@@ -31,7 +31,61 @@ std::size_t below_in_other(std::size_t other, std::size_t k) {
   return other == 1 ? k : std::min(k + 1, half_rows - 1);
 }
 
+/// Between two bins of the map.
+struct BinPosition {
+  std::size_t bin = 0;              // before it
+  float part = 0.0F, turns = 0.0F;  // of the way to the next one; whole turns beyond the map's ends
+};
+
+/// A bin beyond either end counts a whole turn; none is further away than one.
+BinPosition bin_position(std::ptrdiff_t bin, float part) {
+  constexpr auto all = static_cast<std::ptrdiff_t>(Panorama::bins);
+  if (bin < 0) return {static_cast<std::size_t>(bin + all), part, -1.0F};
+  if (bin >= all) return {static_cast<std::size_t>(bin - all), part, 1.0F};
+  return {static_cast<std::size_t>(bin), part, 0.0F};
+}
+
+/// What lies between two places, of so many pixels from the one on that stands `first` in the first bin.
+/// `sums`: of all bins before.
+template <std::size_t pixels>
+void sum_between(const std::vector<float>& sums, const BinPosition& from, const BinPosition& to,
+                 std::size_t first, std::array<float, pixels>& sum) {
+  const auto until = [&](const BinPosition& at, std::size_t i) {
+    const float* before = &sums[at.bin * frame_rows + first];
+    const float* behind = before + frame_rows;
+    return before[i] + at.part * (behind[i] - before[i]);
+  };
+  if (from.turns == 0.0F && to.turns == 0.0F) {
+    for (std::size_t i = 0; i < pixels; ++i) sum[i] = until(to, i) - until(from, i);
+    return;
+  }
+  const float* total = &sums[Panorama::bins * frame_rows + first];
+  for (std::size_t i = 0; i < pixels; ++i)
+    sum[i] = until(to, i) + to.turns * total[i] - (until(from, i) + from.turns * total[i]);
+}
+
 }  // namespace
+
+/// What pixels sweep ends there, and so much to either side of both.
+struct Panorama::SweepEnds {
+  SweepEnds(const Ray& ray, std::ptrdiff_t reach) {
+    put(ray.middle - ray.half_width, reach, before_low, low, after_low);
+    put(ray.middle + ray.half_width, reach, before_high, high, after_high);
+  }
+
+  BinPosition before_low, low, after_low, before_high, high, after_high;
+
+ private:
+  static void put(double at, std::ptrdiff_t reach, BinPosition& before, BinPosition& here,
+                  BinPosition& after) {
+    const auto towards_0 = static_cast<std::ptrdiff_t>(at);
+    const std::ptrdiff_t bin = static_cast<double>(towards_0) > at ? towards_0 - 1 : towards_0;
+    const auto part = static_cast<float>(at - static_cast<double>(bin));
+    before = bin_position(bin - reach, part);
+    here = bin_position(bin, part);
+    after = bin_position(bin + reach, part);
+  }
+};
 
 Panorama::Panorama()
     : temp_c_(map_values),
@@ -41,8 +95,7 @@ Panorama::Panorama()
       variance_sum_(map_values + frame_rows),
       seen_sum_(map_values + frame_rows) {}
 
-void Panorama::clear(bool rows_look_apart, bool things_move) {
-  rows_look_apart_ = rows_look_apart;
+void Panorama::clear(bool things_move) {
   things_move_ = things_move;
   std::fill(temp_c_.begin(), temp_c_.end(), 0.0F);
   std::fill(variance_.begin(), variance_.end(), 0.0F);
@@ -58,13 +111,9 @@ void Panorama::add_up(const std::vector<float>& of_bins, Sums& sums) const {
 }
 
 void Panorama::add_up() {
-  if (rows_look_apart_) {
-    row_sums_.add_up(temp_c_, variance_, seen_, changed_from_);
-  } else {
-    add_up(temp_c_, temp_sum_);
-    add_up(variance_, variance_sum_);
-    add_up(seen_, seen_sum_);
-  }
+  add_up(temp_c_, temp_sum_);
+  add_up(variance_, variance_sum_);
+  add_up(seen_, seen_sum_);
   changed_from_ = bins;
 }
 
@@ -99,135 +148,83 @@ void Panorama::load(const Map& map) {
   add_up();
 }
 
-void Panorama::sum_between(const Sums& sums, const BinPosition& from, const BinPosition& to,
-                           std::size_t row_class, Column& sum) {
-  const float* total = &sums[index(bins, row_class)];
-  const auto until = [&](const BinPosition& at, std::size_t k) {
-    const float* before = &sums[index(at.bin, row_class)];
-    const float* behind = before + frame_rows;
-    return before[k] + at.part * (behind[k] - before[k]) + at.turns * total[k];
-  };
-  for (std::size_t k = 0; k < half_rows; ++k) sum[k] = until(to, k) - until(from, k);
-}
-
 /// The mean changes by what comes in at one end of the sweep and goes out at the other.
-void Panorama::look_slope(const Place& place, const SweepEnds& ends, std::size_t row_class,
-                          std::ptrdiff_t reach, Slopes& slopes) const {
-  Column in, out, in_variance, out_variance;
-  sum_between(temp_sum_, ends.before_high, ends.after_high, row_class, in);
-  sum_between(temp_sum_, ends.before_low, ends.after_low, row_class, out);
-  sum_between(variance_sum_, ends.before_high, ends.after_high, row_class, in_variance);
-  sum_between(variance_sum_, ends.before_low, ends.after_low, row_class, out_variance);
-  const float scale = slope_scale(place, reach);
-  for (std::size_t k = 0; k < half_rows; ++k) {
-    slopes.slope[k] = scale * (in[k] - out[k]);
-    slopes.variance[k] = scale * scale * (in_variance[k] + out_variance[k]);
+template <std::size_t pixels>
+void Panorama::find_slopes(const SweepEnds& at, std::size_t first, float scale, float* slope,
+                           float* variance) const {
+  Pixels<pixels> in, out, in_variance, out_variance;
+  sum_between(temp_sum_, at.before_high, at.after_high, first, in);
+  sum_between(temp_sum_, at.before_low, at.after_low, first, out);
+  sum_between(variance_sum_, at.before_high, at.after_high, first, in_variance);
+  sum_between(variance_sum_, at.before_low, at.after_low, first, out_variance);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    slope[i] = scale * (in[i] - out[i]);
+    variance[i] = scale * scale * (in_variance[i] + out_variance[i]);
   }
-}
-
-void Panorama::look_at_mean(const Place& place, const SweepEnds& at, std::ptrdiff_t reach, Look& look) const {
-  const auto width = static_cast<float>(2.0 * place.half_width);
-  const auto wide = static_cast<float>(2.0 * (place.half_width + static_cast<double>(reach)));
-  Column seen;
-  sum_between(temp_sum_, at.low, at.high, place.row_class, look.temp_c);
-  sum_between(variance_sum_, at.low, at.high, place.row_class, look.variance);
-  sum_between(seen_sum_, at.before_low, at.after_high, place.row_class, seen);
-  for (std::size_t k = 0; k < half_rows; ++k) {
-    look.temp_c[k] /= width;
-    look.variance[k] /= width * width;
-    look.known[k] = seen[k] >= seen_enough * wide ? 1.0F : 0.0F;
-  }
-}
-
-void Panorama::look(const Place& place, std::ptrdiff_t reach, bool smooth, Look& look) const {
-  const SweepEnds at = ends(place, reach);
-  look_at_mean(place, at, reach, look);
-  look_slope(place, at, place.row_class, reach, look.of_azimuth);
-  if (!smooth) return;
-  const std::size_t other = place.row_class ^ 1U;
-  Slopes beside;
-  look_slope(place, at, other, reach, beside);
-  for (std::size_t k = 0; k < half_rows; ++k) {
-    float &slope = look.of_azimuth.slope[k], &variance = look.of_azimuth.variance[k];
-    const std::size_t above = above_in_other(other, k), below = below_in_other(other, k);
-    slope = 0.5F * slope + 0.25F * (beside.slope[above] + beside.slope[below]);
-    variance = 0.25F * variance + 0.0625F * (beside.variance[above] + beside.variance[below]);
-  }
-}
-
-void Panorama::look_at_mean(const Place& place, std::ptrdiff_t reach, Look& look) const {
-  look_at_mean(place, ends(place, reach), reach, look);
-}
-
-void Panorama::look(const Place& place, Column& temp_c, Column& known) const {
-  const SweepEnds at = ends(place, 0);
-  const auto width = static_cast<float>(2.0 * place.half_width);
-  sum_between(temp_sum_, at.low, at.high, place.row_class, temp_c);
-  sum_between(seen_sum_, at.low, at.high, place.row_class, known);
-  for (std::size_t k = 0; k < half_rows; ++k) {
-    temp_c[k] /= width;
-    known[k] = known[k] >= seen_enough * width ? 1.0F : 0.0F;
-  }
-}
-
-Panorama::Slope Panorama::slope_of_row(std::size_t row, const SweepEnds& ends, float scale) const {
-  const RowSums::Sum in = row_sums_.between(row, ends.before_high, ends.after_high);
-  const RowSums::Sum out = row_sums_.between(row, ends.before_low, ends.after_low);
-  return {scale * (in - out)[RowSums::temp_c], scale * scale * (in + out)[RowSums::variance]};
-}
-
-void Panorama::look_at_mean_row(const Place& place, const SweepEnds& at, std::size_t k, std::ptrdiff_t reach,
-                                Look& look) const {
-  const auto wide = static_cast<float>(2.0 * (place.half_width + static_cast<double>(reach)));
-  const float share = 1.0F / static_cast<float>(2.0 * place.half_width);  // of a bin
-  const std::size_t row = index(0, place.row_class) + k;
-  const RowSums::Sum swept = row_sums_.between(row, at.low, at.high);
-  const RowSums::Sum around = row_sums_.between(row, at.before_low, at.after_high);
-  look.temp_c[k] = share * swept[RowSums::temp_c];
-  look.variance[k] = share * share * swept[RowSums::variance];
-  look.known[k] = around[RowSums::seen] >= seen_enough * wide ? 1.0F : 0.0F;
-}
-
-void Panorama::look_row(const Place& place, std::size_t k, std::ptrdiff_t reach, bool smooth,
-                        Look& look) const {
-  const SweepEnds at = ends(place, reach);
-  look_at_mean_row(place, at, k, reach, look);
-  const float scale = slope_scale(place, reach);
-  const Slope own = slope_of_row(index(0, place.row_class) + k, at, scale);
-  float &slope = look.of_azimuth.slope[k], &variance = look.of_azimuth.variance[k];
-  slope = own.slope;
-  variance = own.variance;
-  if (!smooth) return;
-  const std::size_t other = place.row_class ^ 1U;
-  const Slope above = slope_of_row(index(0, other) + above_in_other(other, k), at, scale);
-  const Slope below = slope_of_row(index(0, other) + below_in_other(other, k), at, scale);
-  slope = 0.5F * slope + 0.25F * (above.slope + below.slope);
-  variance = 0.25F * variance + 0.0625F * (above.variance + below.variance);
-}
-
-void Panorama::look_at_mean_row(const Place& place, std::size_t k, std::ptrdiff_t reach, Look& look) const {
-  look_at_mean_row(place, ends(place, reach), k, reach, look);
-}
-
-void Panorama::look_row(const Place& place, std::size_t k, Column& temp_c, Column& known) const {
-  const std::size_t row = index(0, place.row_class) + k;
-  const auto width = static_cast<float>(2.0 * place.half_width);
-  const SweepEnds at = ends(place, 0);
-  const RowSums::Sum swept = row_sums_.between(row, at.low, at.high);
-  temp_c[k] = swept[RowSums::temp_c] / width;
-  known[k] = swept[RowSums::seen] >= seen_enough * width ? 1.0F : 0.0F;
 }
 
 template <std::size_t pixels>
-void Panorama::seed_pixels(const Place& place, std::size_t first_k, const Guess& guess) {
+void Panorama::look_at_mean(const Ray& ray, const SweepEnds& at, std::ptrdiff_t reach, Look& look) const {
+  const auto width = static_cast<float>(2.0 * ray.half_width);
+  const auto wide = static_cast<float>(2.0 * (ray.half_width + static_cast<double>(reach)));
+  const std::size_t first = index(0, ray.row_class) + ray.k;
+  Pixels<pixels> temp_c, variance, seen;
+  sum_between(temp_sum_, at.low, at.high, first, temp_c);
+  sum_between(variance_sum_, at.low, at.high, first, variance);
+  sum_between(seen_sum_, at.before_low, at.after_high, first, seen);
+  const float share = 1.0F / width;  // one pixel waits for a division longer than for all else here
+  for (std::size_t i = 0; i < pixels; ++i) {
+    look.temp_c[ray.k + i] = pixels == 1 ? share * temp_c[i] : temp_c[i] / width;
+    look.variance[ray.k + i] = pixels == 1 ? share * share * variance[i] : variance[i] / (width * width);
+    look.known[ray.k + i] = seen[i] >= seen_enough * wide ? 1.0F : 0.0F;
+  }
+}
+
+template <std::size_t pixels>
+void Panorama::look_of(const Ray& ray, std::ptrdiff_t reach, bool smooth, Look& look) const {
+  const SweepEnds at(ray, reach);
+  look_at_mean<pixels>(ray, at, reach, look);
+  const float scale = slope_scale(ray, reach);
+  float *const slope = &look.of_azimuth.slope[ray.k], *const variance = &look.of_azimuth.variance[ray.k];
+  find_slopes<pixels>(at, index(0, ray.row_class) + ray.k, scale, slope, variance);
+  if (!smooth) return;
+  constexpr std::size_t around = std::min(pixels + 1, half_rows);  // of the other class
+  const std::size_t other = ray.row_class ^ 1U;
+  const std::size_t from = std::min(above_in_other(other, ray.k), half_rows - around);
+  Pixels<around> beside, beside_variance;
+  find_slopes<around>(at, index(0, other) + from, scale, beside.data(), beside_variance.data());
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const std::size_t above = above_in_other(other, ray.k + i) - from;
+    const std::size_t below = below_in_other(other, ray.k + i) - from;
+    slope[i] = 0.5F * slope[i] + 0.25F * (beside[above] + beside[below]);
+    variance[i] = 0.25F * variance[i] + 0.0625F * (beside_variance[above] + beside_variance[below]);
+  }
+}
+
+template <std::size_t pixels>
+void Panorama::look_of(const Ray& ray, Column& temp_c, Column& known) const {
+  const SweepEnds at(ray, 0);
+  const auto width = static_cast<float>(2.0 * ray.half_width);
+  const std::size_t first = index(0, ray.row_class) + ray.k;
+  Pixels<pixels> swept, seen;
+  sum_between(temp_sum_, at.low, at.high, first, swept);
+  sum_between(seen_sum_, at.low, at.high, first, seen);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    temp_c[ray.k + i] = swept[i] / width;
+    known[ray.k + i] = seen[i] >= seen_enough * width ? 1.0F : 0.0F;
+  }
+}
+
+template <std::size_t pixels>
+void Panorama::seed_of(const Ray& ray, const Guess& guess) {
   const auto from = static_cast<std::ptrdiff_t>(std::floor(guess.low));
   const auto to = static_cast<std::ptrdiff_t>(std::floor(guess.high));
   constexpr auto all = static_cast<std::ptrdiff_t>(bins);
   note_change(from, to);
   for (std::ptrdiff_t bin = from; bin <= to; ++bin) {
-    const std::size_t first = index(static_cast<std::size_t>((bin % all + all) % all), place.row_class);
-    const auto off_deg = static_cast<float>((static_cast<double>(bin) + 0.5 - place.middle) * bin_deg);
-    for (std::size_t k = first_k; k < first_k + pixels; ++k) {
+    const std::size_t first = index(static_cast<std::size_t>((bin % all + all) % all), ray.row_class);
+    const auto off_deg = static_cast<float>((static_cast<double>(bin) + 0.5 - ray.middle) * bin_deg);
+    for (std::size_t k = ray.k; k < ray.k + pixels; ++k) {
       if (seen_[first + k] > 0.0F || std::isnan(guess.temp_c[k])) continue;
       seen_[first + k] = 1.0F;
       temp_c_[first + k] = guess.temp_c[k] + guess.slope[k] * off_deg;
@@ -236,30 +233,19 @@ void Panorama::seed_pixels(const Place& place, std::size_t first_k, const Guess&
   }
 }
 
-void Panorama::seed(const Place& place, const Guess& guess) {
-  seed_pixels<half_rows>(place, 0, guess);
-}
-
-void Panorama::seed_row(const Place& place, std::size_t k, const Guess& guess) {
-  seed_pixels<1>(place, k, guess);
-}
-
 template <std::size_t pixels>
-void Panorama::write_pixels(const Place& place, std::size_t first, const Column& temp_c,
-                            const Column& variance) {
-  const double low = place.middle - place.half_width, high = place.middle + place.half_width;
+void Panorama::write_of(const Ray& ray, const Column& temp_c, const Column& variance) {
+  const double low = ray.middle - ray.half_width, high = ray.middle + ray.half_width;
   const auto from = static_cast<std::ptrdiff_t>(std::floor(low));
   const auto to = static_cast<std::ptrdiff_t>(std::floor(high));
   note_change(from, to);
   const double share_of_bin = 1.0 / (high - low);
-  const std::size_t end = first + pixels;
+  const std::size_t first = ray.k, end = first + pixels;
   const auto share_of = [&](std::ptrdiff_t bin) {
     const auto begin = static_cast<double>(bin);
     return static_cast<float>((std::min(high, begin + 1.0) - std::max(low, begin)) * share_of_bin);
   };
-  const auto first_of = [&](std::ptrdiff_t bin) {
-    return index(bin_position(bin, 0.0F).bin, place.row_class);
-  };
+  const auto first_of = [&](std::ptrdiff_t bin) { return index(bin_position(bin, 0.0F).bin, ray.row_class); };
   Column mean, spread;
   for (std::size_t k = first; k < end; ++k) mean[k] = spread[k] = 0.0F;
   for (std::ptrdiff_t bin = from; bin <= to; ++bin) {
@@ -294,12 +280,25 @@ void Panorama::write_pixels(const Place& place, std::size_t first, const Column&
   }
 }
 
-void Panorama::write(const Place& place, const Column& temp_c, const Column& variance) {
-  write_pixels<half_rows>(place, 0, temp_c, variance);
+void Panorama::look(const Ray& ray, std::ptrdiff_t reach, bool smooth, Look& look) const {
+  ray.is_of_one ? look_of<1>(ray, reach, smooth, look) : look_of<half_rows>(ray, reach, smooth, look);
 }
 
-void Panorama::write_row(const Place& place, std::size_t k, const Column& temp_c, const Column& variance) {
-  write_pixels<1>(place, k, temp_c, variance);
+void Panorama::look_at_mean(const Ray& ray, std::ptrdiff_t reach, Look& look) const {
+  const SweepEnds at(ray, reach);
+  ray.is_of_one ? look_at_mean<1>(ray, at, reach, look) : look_at_mean<half_rows>(ray, at, reach, look);
+}
+
+void Panorama::look(const Ray& ray, Column& temp_c, Column& known) const {
+  ray.is_of_one ? look_of<1>(ray, temp_c, known) : look_of<half_rows>(ray, temp_c, known);
+}
+
+void Panorama::seed(const Ray& ray, const Guess& guess) {
+  ray.is_of_one ? seed_of<1>(ray, guess) : seed_of<half_rows>(ray, guess);
+}
+
+void Panorama::write(const Ray& ray, const Column& temp_c, const Column& variance) {
+  ray.is_of_one ? write_of<1>(ray, temp_c, variance) : write_of<half_rows>(ray, temp_c, variance);
 }
 
 }  // namespace thermorig::odometer

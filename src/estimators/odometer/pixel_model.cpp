@@ -20,7 +20,7 @@ constexpr float least_pixel_variance = 0.01F;
 
 }  // namespace
 
-HalfPixels PixelModel::corrected(const HalfReading& half) {
+HalfPixels PixelModel::corrected(const HalfFrame& half) {
   HalfPixels temp_c;
   HalfPixels &last = last_c_[half.parity], &repeats = repeats_[half.parity];
   for (std::size_t i = 0; i < half_pixels; ++i) {

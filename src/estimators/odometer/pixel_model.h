@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "half_reading.h"
+#include "thermorig/core/surroundings/half_frame.h"
 #include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {
@@ -12,7 +12,7 @@ namespace thermorig::odometer {
 class PixelModel {
  public:
   /// A half without the pixels' errors; NaN where a pixel is stuck.
-  HalfPixels corrected(const HalfReading& half);
+  HalfPixels corrected(const HalfFrame& half);
 
   /// What was left of each pixel, of those that were compared, and the variance that the map had in it.
   void learn(unsigned parity, const HalfPixels& residual, const HalfPixels& map_variance);

@@ -29,7 +29,7 @@ constexpr double doubtful_nis = 1.2;
 }  // namespace
 
 Start::Start(const Priors& priors, const SharedLens& lens, bool latency_measured, Tracker& front,
-             const GyroPath& path)
+             const TurnPath& path)
     : priors_(priors),
       lens_(lens),
       front_(front),
@@ -58,7 +58,7 @@ void Start::begin_searching() {
   phase_ = Phase::searching;
 }
 
-Start::Outcome Start::add(const HalfReading& half, double now_s) {
+Start::Outcome Start::add(const HalfFrame& half, double now_s) {
   store(half, now_s);
   if (is_due_to_begin()) begin_first_pass(*gyro_search_.found());
   switch (phase_) {
@@ -87,13 +87,13 @@ Start::Outcome Start::add(const HalfReading& half, double now_s) {
 double Start::origin_sigma_deg() const {
   if (!before_) return 0.0;
   const HeadingFilter& filter = front_.filter();
-  const GyroPath::Knot begun = path_.until(store_.at(0).now_s);
+  const TurnPath::Knot begun = path_.until(store_.at(0).now_s);
   const double misplaced_deg =
       before_->deg(begun, begun_with_.bias_dps) - before_->deg(begun, filter.bias_dps());
   return std::hypot(before_->sigma_deg(begun, filter.sigma(HeadingFilter::bias)), misplaced_deg);
 }
 
-void Start::store(const HalfReading& half, double now_s) {
+void Start::store(const HalfFrame& half, double now_s) {
   store_.add(half, now_s);
   if (!store_.is_full()) gyro_search_.add(store_, path_);
 }
@@ -105,10 +105,10 @@ bool Start::has_halves_enough(double now_s) const {
 /// The first of the newest halves that all show one view: a rig at rest.
 std::size_t Start::rests_since() const {
   const HeadingFilter& filter = front_.filter();
-  const GyroPath::Knot now = path_.until(store_.at(store_.count() - 1).now_s);
+  const TurnPath::Knot now = path_.until(store_.at(store_.count() - 1).now_s);
   std::size_t first = store_.count() - 1;
   for (; first > 0; --first) {
-    const GyroPath::Knot then = path_.until(store_.at(first - 1).now_s);
+    const TurnPath::Knot then = path_.until(store_.at(first - 1).now_s);
     const double read_deg = now.turned_deg - then.turned_deg;
     const double by_bias_deg = filter.bias_dps() * (now.time_s - then.time_s);
     if (std::abs(read_deg - by_bias_deg) > still_deg) break;
@@ -125,7 +125,7 @@ void Start::forget_rest() {
   store_.forget(first, last - first);
 }
 
-std::optional<Priors> Start::find_gyro(const HalfReading& half, double now_s) {
+std::optional<Priors> Start::find_gyro(const HalfFrame& half, double now_s) {
   store_.add(half, now_s);
   gyro_search_.add(store_, path_);
   forget_early_halves();

@@ -6,11 +6,11 @@
 #include <optional>
 
 #include "gyro_heading.h"
-#include "gyro_path.h"
 #include "gyro_search.h"
 #include "half_store.h"
 #include "innovation_count.h"
 #include "plausibility.h"
+#include "thermorig/core/surroundings/turn_path.h"
 #include "tracker.h"
 
 namespace thermorig::odometer {
@@ -22,7 +22,7 @@ class Start {
  public:
   /// `front`: the tracker that is told of, and that tracks afterwards; `path`: the gyro's, up to each half.
   Start(const Priors& priors, const SharedLens& lens, bool latency_measured, Tracker& front,
-        const GyroPath& path);
+        const TurnPath& path);
 
   /// Nothing of what came before is needed but `before`: the heading at which the map begins.
   void begin(const std::optional<GyroHeading>& before);
@@ -34,10 +34,10 @@ class Start {
     over,   // the front tracker knows gyro and map, and has seen all halves that were kept
     failed  // it begins anew: nothing that it has seen fits together
   };
-  Outcome add(const HalfReading& half, double now_s);
+  Outcome add(const HalfFrame& half, double now_s);
 
   /// Instead of all that, for a map that was made before: what some seconds of halves tell of the gyro.
-  std::optional<Priors> find_gyro(const HalfReading& half, double now_s);
+  std::optional<Priors> find_gyro(const HalfFrame& half, double now_s);
 
   /// The front tracker has gone through all halves that came.
   bool has_caught_up() const { return phase_ == Phase::learning || phase_ == Phase::second_pass; }
@@ -60,7 +60,7 @@ class Start {
   enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass };
 
   void begin_searching();
-  void store(const HalfReading& half, double now_s);
+  void store(const HalfFrame& half, double now_s);
   const NisBounds& bounds() const { return nis_bounds(things_move_); }
   void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, bounds().most); }
   bool has_halves_enough(double now_s) const;
@@ -96,7 +96,7 @@ class Start {
   Priors priors_;
   SharedLens lens_;
   Tracker& front_;
-  const GyroPath& path_;
+  const TurnPath& path_;
   Tracker back_;  // goes through the halves again
   HalfStore store_;
   double rested_s_ = 0.0;  // since its first half: what was forgotten

@@ -37,8 +37,8 @@ void learn_nis(const HalfResult& result, double& mean, double most) {
 
 Tracker::Tracker(const Priors& priors, const SharedLens& lens) : lens_(lens), filter_(priors) {}
 
-void Tracker::advance(const GyroPath& path, double now_s) {
-  const GyroPath::Knot now = path.until(now_s);
+void Tracker::advance(const TurnPath& path, double now_s) {
+  const TurnPath::Knot now = path.until(now_s);
   if (has_begun_)
     filter_.predict(now.turned_deg - now_deg_, now_s - now_s_,
                     std::max(0.0, now.unseen_deg2 - now_unseen_deg2_));
@@ -52,7 +52,7 @@ void Tracker::restart(const Priors& priors, RowOrder rows, bool things_move) {
   rows_ = rows;
   things_move_ = things_move;
   filter_ = HeadingFilter(priors);
-  panorama_.clear(do_rows_look_apart(), things_move);
+  panorama_.clear(things_move);
   pixels_ = PixelModel();
   has_begun_ = false;
   is_on_trial_ = false;
@@ -107,7 +107,7 @@ std::vector<float> Tracker::map_image_c() const {
   return pixels;
 }
 
-Tracker::Exposed Tracker::expose(const HalfReading& half, const GyroPath& path) {
+Tracker::Exposed Tracker::expose(const HalfFrame& half, const TurnPath& path) {
   const double late_s = filter_.latency_s();
   Exposed exposed{path.over(half.begin_s - late_s, half.end_s - late_s),
                   pixels_.corrected(half),
@@ -126,7 +126,7 @@ Tracker::Exposed Tracker::expose(const HalfReading& half, const GyroPath& path) 
 
 /// Headings at points through the time in which all rows are exposed, and sums over them: a row's exposure is
 /// a part of it.
-void Tracker::expose_rows(const HalfReading& half, const GyroPath& path, Exposed& exposed) const {
+void Tracker::expose_rows(const HalfFrame& half, const TurnPath& path, Exposed& exposed) const {
   constexpr std::size_t points = 48;  // over two refresh periods: half a one before, half a one behind
   constexpr double exposure = points / 2.0;
   const double step_s = (half.end_s - half.begin_s) / exposure;
@@ -158,7 +158,7 @@ void Tracker::expose_rows(const HalfReading& half, const GyroPath& path, Exposed
   }
 }
 
-View Tracker::view_of(const HalfReading& half, const Exposed& exposed) const {
+View Tracker::view_of(const HalfFrame& half, const Exposed& exposed) const {
   return {.temp_c = &exposed.temp_c,
           .variance = &pixels_.variance(half.parity),
           .parity = half.parity,
@@ -174,7 +174,7 @@ void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed, const Head
   filter_.begin_nodes(azimuth_deg - edge_deg, azimuth_deg + edge_deg, shown);
 }
 
-HalfResult Tracker::add(const HalfReading& half, const GyroPath& path, bool is_trusted) {
+HalfResult Tracker::add(const HalfFrame& half, const TurnPath& path, bool is_trusted) {
   Exposed exposed = expose(half, path);
   if (!lens_->is_plain() && halves_ >= first_halves) level(half, exposed);
   HalfResult result{.rate_dps = exposed.rate_dps, .work = work_of(0)};
@@ -215,7 +215,7 @@ std::array<double, HeadingFilter::nodes> Tracker::written_shares(const Alignment
 }
 
 /// What each pixel would show had it looked along its own row of the map.
-void Tracker::level(const HalfReading& half, Exposed& exposed) const {
+void Tracker::level(const HalfFrame& half, Exposed& exposed) const {
   const Alignment alignment(panorama_, filter_, *lens_);
   const HalfPixels beside = alignment.beside_row(view_of(half, exposed), exposed.azimuth_deg);
   for (std::size_t i = 0; i < half_pixels; ++i) exposed.temp_c[i] -= beside[i];
@@ -232,7 +232,7 @@ void Tracker::keep_sigma(double sigma_deg) {
 }
 
 /// Lays a half against the map, and tells the filter.
-HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
+HalfResult Tracker::judge(const HalfFrame& half, const Exposed& exposed) {
   const auto& [turn, temp_c, azimuth_deg, rate_dps, half_width_deg, rows] = exposed;
   HalfResult result{.rate_dps = rate_dps};
   std::array<double, HeadingFilter::nodes> ahead{};
@@ -277,7 +277,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   return result;
 }
 
-void Tracker::locate(const HalfReading& half, const GyroPath& path, CircleSearch& search) {
+void Tracker::locate(const HalfFrame& half, const TurnPath& path, CircleSearch& search) {
   const Exposed exposed = expose(half, path);
   search.add(Alignment(panorama_, filter_, *lens_), view_of(half, exposed),
              exposed.azimuth_deg - located_deg_);
@@ -313,33 +313,18 @@ void Tracker::write(const View& view, double azimuth_deg, double sigma_deg, floa
       guess.slope[k] = slope;
       guess.variance[k] = 2.0F * variance[k] + static_cast<float>(0.3 * swept_deg2) * slope * slope;
     }
-    const auto reach_to = [&](const Panorama::Place& place) {
-      const double below_bins = is_edge ? std::max(place.half_width, pitch_bins) : pitch_bins;
-      guess.low = place.middle - below_bins;
-      guess.high = place.middle + below_bins;
-    };
-    if (view.rows == nullptr) {
-      const Panorama::Place place = alignment.place(view, azimuth_deg, column);
-      reach_to(place);
-      panorama_.seed(place, guess);
-    } else {
-      auto& places = written_[column].places;
-      places = alignment.places(view, azimuth_deg, column);
-      for (std::size_t k = 0; k < half_rows; ++k) {
-        reach_to(places[k]);
-        panorama_.seed_row(places[k], k, guess);
-      }
-    }
-    written_[column].shown = shown;
-    written_[column].variance = variance;
+    alignment.each_ray(view, azimuth_deg, column, [&](const Panorama::Ray& ray) {
+      const double below_bins = is_edge ? std::max(ray.half_width, pitch_bins) : pitch_bins;
+      guess.low = ray.middle - below_bins;
+      guess.high = ray.middle + below_bins;
+      panorama_.seed(ray, guess);
+    });
+    written_[column] = {shown, variance};
   }
-  for (std::size_t column = 0; column < frame_columns; ++column) {
-    const auto& [shown, variance, places] = written_[column];
-    if (view.rows == nullptr)
-      panorama_.write(alignment.place(view, azimuth_deg, column), shown, variance);
-    else
-      for (std::size_t k = 0; k < half_rows; ++k) panorama_.write_row(places[k], k, shown, variance);
-  }
+  for (std::size_t column = 0; column < frame_columns; ++column)
+    alignment.each_ray(view, azimuth_deg, column, [&](const Panorama::Ray& ray) {
+      panorama_.write(ray, written_[column].shown, written_[column].variance);
+    });
   panorama_.add_up();
 }
 

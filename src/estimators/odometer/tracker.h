@@ -7,11 +7,11 @@
 
 #include "alignment.h"
 #include "circle_search.h"
-#include "gyro_path.h"
-#include "half_reading.h"
 #include "heading_filter.h"
 #include "panorama.h"
 #include "pixel_model.h"
+#include "thermorig/core/surroundings/half_frame.h"
+#include "thermorig/core/surroundings/turn_path.h"
 
 namespace thermorig::odometer {
 
@@ -69,15 +69,15 @@ class Tracker {
   void end_learning() { is_learning_ = false; }
 
   /// Heading forward to a time, by the gyro's path.
-  void advance(const GyroPath& path, double now_s);
+  void advance(const TurnPath& path, double now_s);
 
   /// A half whose exposure has ended by then.
   /// Not `is_trusted`: where it looks may be another place, and nothing is written there.
-  HalfResult add(const HalfReading& half, const GyroPath& path, bool is_trusted = true);
+  HalfResult add(const HalfFrame& half, const TurnPath& path, bool is_trusted = true);
 
   /// Where the half may look in the map, without learning anything of it. `turned_deg`: since the half
   /// before.
-  void locate(const HalfReading& half, const GyroPath& path, CircleSearch& search);
+  void locate(const HalfFrame& half, const TurnPath& path, CircleSearch& search);
   /// What the search found, of the newest half: the nearest of the headings that it may be.
   void settle(const CircleSearch::Found& found);
   double located_deg() const { return located_deg_; }  // of the newest half, as the gyro has it
@@ -109,17 +109,17 @@ class Tracker {
     double azimuth_deg = 0.0, rate_dps = 0.0, half_width_deg = 0.0;
     RowSweeps rows;  // of a camera that exposes them one after the other
   };
-  Exposed expose(const HalfReading& half, const GyroPath& path);
-  HalfResult judge(const HalfReading& half, const Exposed& exposed);
+  Exposed expose(const HalfFrame& half, const TurnPath& path);
+  HalfResult judge(const HalfFrame& half, const Exposed& exposed);
   void keep_sigma(double sigma_deg);
   int work_of(int looks) const;
   std::array<double, HeadingFilter::nodes> written_shares(const Alignment::Comparison& comparison,
                                                           const HalfPixels& variance,
                                                           double azimuth_deg) const;
-  void expose_rows(const HalfReading& half, const GyroPath& path, Exposed& exposed) const;
-  void level(const HalfReading& half, Exposed& exposed) const;
+  void expose_rows(const HalfFrame& half, const TurnPath& path, Exposed& exposed) const;
+  void level(const HalfFrame& half, Exposed& exposed) const;
   bool do_rows_look_apart() const { return rows_ != RowOrder::at_once || !lens_->is_plain(); }
-  View view_of(const HalfReading& half, const Exposed& exposed) const;
+  View view_of(const HalfFrame& half, const Exposed& exposed) const;
   void begin_nodes(double azimuth_deg, const Exposed& exposed, const HeadingFilter::Row& shown);
   void write(const View& view, double azimuth_deg, double sigma_deg, float common_c);
 
@@ -146,7 +146,6 @@ class Tracker {
   std::array<double, HeadingFilter::nodes> rewritten_{};  // shares of an open map, by the newest half
   struct Written {
     Panorama::Column shown, variance;
-    Alignment::Places places;  // where rows look apart
   };
   std::array<Written, frame_columns> written_{};  // of the newest half
 };

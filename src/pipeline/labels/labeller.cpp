@@ -128,8 +128,6 @@ bool is_unsteady(const GyroMean& gyro, double noise_dps, double tolerance_dps) {
   return gyro.spread_dps * gyro.spread_dps > tolerance_dps * tolerance_dps + explained_dps2 + chance_dps2;
 }
 
-constexpr float coldest_c = -60.0F;
-constexpr float hottest_c = 400.0F;
 constexpr double disagreement = 3.0;        // standard deviations
 constexpr double longest_shift_s = 1.0;     // beyond it a time says nothing
 constexpr double hardly_turning_dps = 1.0;  // slower, a share of the travel passed is none
@@ -140,8 +138,7 @@ std::uint32_t bit_if(Reason reason, bool holds) {
 
 bool has_pixel_out_of_range(const ThermalFrame& frame) {
   unsigned within = 0;
-  for (const float temp_c : frame.temp_c)  // counted without a branch, so it runs in vectors
-    within += static_cast<unsigned>(temp_c >= coldest_c) & static_cast<unsigned>(temp_c <= hottest_c);
+  for (const float temp_c : frame.temp_c) within += is_temperature(temp_c) ? 1U : 0U;
   return within < frame_pixels;
 }
 

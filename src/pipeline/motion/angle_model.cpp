@@ -19,11 +19,11 @@ struct Range {
 }  // namespace
 
 AngleModel::AngleModel(std::span<const HalfView> views, const AngleTrack& track, const Prior& prior)
-    : views_(views), track_(track) {
+    : views_(views), path_(track.path()) {
   if (views.empty()) return;
   middle_s_ = views.front().half.middle_s();
   look_from(prior.mean[offset_s]);
-  middle_deg_ = exposures_.front().mean.angle_deg;
+  middle_deg_ = exposures_.front().mean.turned_deg;
   Range times_s{middle_s_, middle_s_};
   Range angles_deg{0.0, 0.0};  // from the first
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -44,13 +44,13 @@ void AngleModel::look_from(double offset) {
   exposures_.reserve(views_.size());
   for (const HalfView& view : views_)
     exposures_.push_back({view.half.middle_s() - offset - middle_s_,
-                          track_.over(view.half.begin_s - offset, view.half.end_s - offset)});
+                          path_.mean_over(view.half.begin_s - offset, view.half.end_s - offset)});
 }
 
 double AngleModel::angle_deg(std::size_t index, const Parameters& parameters) const {
   const Exposure& seen = exposures_[index];
   const double mean_bias_dps = parameters[bias_dps] + 0.5 * parameters[drift_dps_per_s] * seen.since_s;
-  return (seen.mean.angle_deg - middle_deg_ - mean_bias_dps * seen.since_s) / parameters[scale];
+  return (seen.mean.turned_deg - middle_deg_ - mean_bias_dps * seen.since_s) / parameters[scale];
 }
 
 Parameters AngleModel::change(std::size_t index, const Parameters& parameters) const {

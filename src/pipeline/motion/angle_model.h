@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "angle_track.h"
 #include "half_view.h"
 #include "normal_equations.h"
 
@@ -37,11 +36,11 @@ class AngleModel {
  private:
   struct Exposure {
     double since_s = 0.0;  // its middle
-    AngleTrack::Mean mean;
+    TurnPath::Mean mean;
   };
 
   std::span<const HalfView> views_;
-  const AngleTrack& track_;
+  const TurnPath& path_;
   double offset_s_ = 0.0;
   std::vector<Exposure> exposures_;  // of the views, with that offset
   double middle_s_ = 0.0;

@@ -81,7 +81,7 @@ Evidence gather(std::span<const TimedFrame> frames, std::span<const TimedGyro> g
   evidence.prior = prior_of(errors, evidence.track, drift_dps_per_s);
   evidence.halves =
       fresh_halves(frames, evidence.track, evidence.prior.mean[bias_dps], largest_offset_s, newer);
-  if (evidence.track.empty())
+  if (!evidence.track.path().has_begun())
     evidence.why_not = "there is no gyro";
   else if (evidence.halves.size() < fewest_halves)
     evidence.why_not = "only " + std::to_string(evidence.halves.size()) +

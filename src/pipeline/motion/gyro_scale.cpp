@@ -36,7 +36,8 @@ constexpr double model_error_deg = 0.4;
 
 double angle_deg(const FreshHalf& half, const Evidence& evidence) {
   const Parameters& known = evidence.prior.mean;
-  return (evidence.track.over(half.begin_s, half.end_s).angle_deg - known[bias_dps] * half.middle_s()) /
+  return (evidence.track.path().mean_over(half.begin_s, half.end_s).turned_deg -
+          known[bias_dps] * half.middle_s()) /
          known[scale];
 }
 

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "half_view.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::motion {
 namespace {
 
-constexpr std::uint16_t fresh_pixels = half_pixels / 50;  // 2 %, as the detector of freshness has it
-constexpr double longest_exposure_s = 4.0;                // 0.5 Hz, the slowest the bridge knows, and clocks
-constexpr float coldest_c = -60.0F;                       // beyond: not a temperature of the sensor's range
-constexpr float hottest_c = 400.0F;
+/// A rate may change unseen in a gap: at 2000 deg/s2, what a lost 40 ms can hide is a degree and a half.
+constexpr double shortest_gap_s = 0.04;
+constexpr double gap_periods = 3.5;
 
 HalfExposure exposure_of(const TimedFrame& frame, unsigned parity, NewerHalf newer) {
   if (!newer) return frame.half[parity];
@@ -18,42 +21,68 @@ HalfExposure exposure_of(const TimedFrame& frame, unsigned parity, NewerHalf new
                           : HalfExposure{frame.exposure_begin, middle};
 }
 
-bool is_fresh(const TimedFrame& frame, unsigned parity) {
-  return (parity == 0 ? frame.fresh_even : frame.fresh_odd) > fresh_pixels;
-}
-
 HalfView view_of(const FreshHalf& half) {
-  HalfView view{.half = half, .temp_c = {}, .trust = {}};
-  for (std::size_t column = 0; column < frame_columns; ++column)
-    for (std::size_t k = 0; k < half_rows; ++k) {
-      const float temp_c = half.frame->frame.temp_c[row_of(column, k, half.parity) * frame_columns + column];
-      const bool good = temp_c > coldest_c && temp_c < hottest_c;  // false for NaN
-      view.temp_c[column * half_rows + k] = good ? temp_c : 0.0F;
-      view.trust[column * half_rows + k] = good ? 1.0F : 0.0F;
-    }
+  HalfView view{.half = half, .temp_c = pixels_of(half.frame->frame, half.parity), .trust = {}};
+  for (std::size_t i = 0; i < half_pixels; ++i) {
+    const bool is_read = !std::isnan(view.temp_c[i]);
+    if (!is_read) view.temp_c[i] = 0.0F;
+    view.trust[i] = is_read ? 1.0F : 0.0F;
+  }
   return view;
 }
 
 }  // namespace
+
+AngleTrack::AngleTrack(std::span<const TimedGyro> gyro) : path_(gyro.size()) {
+  if (gyro.empty()) return;
+  origin_ = gyro.front().stamp.time;
+  std::vector<Gap> steps;
+  std::vector<double> lengths_s;
+  for (const TimedGyro& sample : gyro) {
+    const double time_s = seconds(sample.stamp.time);
+    if (!is_rate(sample.rate_dps) || (path_.has_begun() && time_s <= path_.newest().time_s)) continue;
+    if (path_.has_begun()) {
+      steps.push_back({path_.newest().time_s, time_s});
+      lengths_s.push_back(time_s - steps.back().begin_s);
+    }
+    path_.add(time_s, double{sample.rate_dps});
+  }
+  const double longest_s = std::max(shortest_gap_s, gap_periods * reordering_median(lengths_s));
+  std::copy_if(steps.begin(), steps.end(), std::back_inserter(gaps_),
+               [&](const Gap& step) { return step.end_s - step.begin_s > longest_s; });
+}
+
+double AngleTrack::mean_rate_dps() const {
+  if (!path_.has_begun() || path_.newest().time_s <= path_.begin_s()) return 0.0;
+  return path_.mean_over(path_.begin_s(), path_.newest().time_s).rate_dps;
+}
+
+std::optional<int> AngleTrack::stretch(double begin_s, double end_s) const {
+  if (!path_.has_begun() || begin_s < path_.begin_s() || end_s > path_.newest().time_s) return std::nullopt;
+  const auto over =
+      std::partition_point(gaps_.begin(), gaps_.end(), [&](const Gap& gap) { return gap.end_s <= begin_s; });
+  if (over != gaps_.end() && over->begin_s < end_s) return std::nullopt;
+  return static_cast<int>(over - gaps_.begin());
+}
 
 std::vector<FreshHalf> fresh_halves(std::span<const TimedFrame> frames, const AngleTrack& track,
                                     double bias_dps, double margin_s, NewerHalf newer) {
   std::vector<FreshHalf> halves;
   for (const TimedFrame& frame : frames) {
     if (frame.late || frame.stale) continue;
-    if (newer && !(is_fresh(frame, 0) && is_fresh(frame, 1))) continue;
+    if (newer && !(frame.is_fresh(0) && frame.is_fresh(1))) continue;
     for (const unsigned parity : {0U, 1U}) {
-      if (!is_fresh(frame, parity)) continue;
+      if (!frame.is_fresh(parity)) continue;
       const HalfExposure exposure = exposure_of(frame, parity, newer);
+      if (!exposure.is_possible()) continue;
       const double begin_s = track.seconds(exposure.begin);
       const double end_s = track.seconds(exposure.end);
-      if (end_s <= begin_s || end_s - begin_s > longest_exposure_s) continue;
       const auto stretch = track.stretch(begin_s - margin_s, end_s + margin_s);
       if (!stretch) continue;
-      const double rate_dps = track.over(begin_s, end_s).rate_dps - bias_dps;
+      const double rate_dps = track.path().mean_over(begin_s, end_s).rate_dps - bias_dps;
       const double third_s = (end_s - begin_s) / 3.0;
-      const double change_dps =
-          track.over(end_s - third_s, end_s).rate_dps - track.over(begin_s, begin_s + third_s).rate_dps;
+      const double change_dps = track.path().mean_over(end_s - third_s, end_s).rate_dps -
+                                track.path().mean_over(begin_s, begin_s + third_s).rate_dps;
       halves.push_back({&frame, parity, begin_s, end_s, rate_dps, std::abs(change_dps), *stretch});
     }
   }

@@ -1,31 +1,40 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "angle_track.h"
-#include "thermorig/core/frame.h"
-#include "thermorig/core/sample.h"
+#include "thermorig/core/surroundings/half_frame.h"
+#include "thermorig/core/surroundings/turn_path.h"
 
 namespace thermorig::motion {
 
-inline constexpr double whole_turn_deg = 360.0;
+/// A recording's gyro as it is, no bias, no scale taken into account: how far the rig has turned at any
+/// instant, and where samples are missing.
+class AngleTrack {
+ public:
+  explicit AngleTrack(std::span<const TimedGyro> gyro);
 
-inline constexpr std::size_t half_pixels = frame_pixels / 2;
-inline constexpr std::size_t half_rows = frame_rows / 2;  // pixels of one column in one chess half
+  /// Times in seconds since the first sample.
+  const TurnPath& path() const { return path_; }
+  double seconds(HostTime time) const { return to_s(time - origin_); }
 
-/// A value for each pixel of a chess half, column after column (32, 12): what lies in one column looks into
-/// one direction, and inner loops run over neighbours in memory. Aligned for vectors of four.
-struct alignas(16) HalfPixels : std::array<float, half_pixels> {};
+  /// Over all samples.
+  double mean_rate_dps() const;
 
-/// Row of pixel `k` of a column.
-constexpr std::size_t row_of(std::size_t column, std::size_t k, unsigned parity) {
-  return 2 * k + ((column ^ parity) & 1U);
-}
+  /// Number of the unbroken stretch of samples that covers the whole interval; none where samples are
+  /// missing.
+  std::optional<int> stretch(double begin_s, double end_s) const;
+
+ private:
+  struct Gap {  // from the last sample before it to the first one after it
+    double begin_s = 0.0, end_s = 0.0;
+  };
+  HostTime origin_{};
+  TurnPath path_;
+  std::vector<Gap> gaps_;
+};
 
 /// A chess half of a frame that was read anew: when it was exposed and how fast the rig turned.
 struct FreshHalf {
