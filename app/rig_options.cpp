@@ -93,8 +93,8 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
           "--simulated-camera", parts.camera,
           "Camera: half (half of the pixels are new in each frame, default), full (all are), query (as "
           "half, sends a frame when asked), text or binary (full, as sketches send it), raw (half, the "
-          "sensor's own words)")
-      ->check(one_of({"half", "full", "query", "text", "binary", "raw"}))
+          "sensor's own words through a stick), i2c (the same on a bus of the computer)")
+      ->check(one_of({"half", "full", "query", "text", "binary", "raw", "i2c"}))
       ->type_name("KIND");
   command
       .add_option("--simulated-gyro", parts.gyro,

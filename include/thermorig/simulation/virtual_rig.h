@@ -68,6 +68,7 @@ struct VirtualRigConfig {
   double servo_loop_hz = 8.0;         // bandwidth of the servo's position loop
   std::optional<double>
       camera_latency_s;  // of this board, from the exposure's end to the first byte; drawn if not set
+  std::uint32_t camera_bus_baud = 0;  // of a camera that the profile gives no baud: so fast is its bus
   std::optional<double> gyro_latency_s;
   CameraStart camera_start = CameraStart::by_itself;
   GyroStart gyro_start = GyroStart::by_itself;
