@@ -77,6 +77,10 @@ void apply(const RigOptions& options, RigProfile& profile) {
   if (!options.gyro_protocol.empty()) sensors::choose_gyro(options.gyro_protocol, profile.gyro);
   for (Device device : all_devices)
     if (!options.ports[device].empty()) profile.link(device).port = options.ports[device];
+  if (io::is_i2c_bus(options.ports[Device::camera])) {  // which has no other protocol and no baud rate
+    profile.camera.protocol = "mlx-raw";
+    profile.camera.link.baud = 0;
+  }
   if (options.camera_baud) profile.camera.link.baud = *options.camera_baud;
   if (options.gyro_baud) profile.gyro.link.baud = *options.gyro_baud;
   if (options.servo_baud) profile.servo.link.baud = *options.servo_baud;
@@ -135,7 +139,7 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
     config.camera_bus_baud = 444'444;
     config.links[Device::camera].kind = simulation::UsbLink::cdc;
   }
-  if (camera == "query" || camera == "raw") config.camera_start = simulation::CameraStart::when_asked;
+  if (camera == "query" || camera == "raw" || camera == "i2c") config.camera_start = simulation::CameraStart::when_asked;
   if (parts.gyro_protocol) sensors::choose_gyro(*parts.gyro_protocol, config.profile.gyro);
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));

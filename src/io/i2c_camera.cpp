@@ -143,7 +143,8 @@ void I2cCamera::hear(std::span<const std::uint8_t> bytes) {
 
 std::optional<HostTime> I2cCamera::turn() {
   if (clock_() < next_) return next_;
-  if (const int error = due_work(); error != 0) return failed(error);
+  const HostTime begin = clock_();
+  if (const int error = due_work(); error != 0) return failed(error, begin);
   failing_since_.reset();
   return next_;
 }
@@ -156,9 +157,10 @@ int I2cCamera::due_work() {
   return 0;
 }
 
-std::optional<HostTime> I2cCamera::failed(int error) {
+/// A driver may wait for seconds for an answer that does not come.
+std::optional<HostTime> I2cCamera::failed(int error, HostTime begin) {
   const HostTime now = clock_();
-  if (!failing_since_) failing_since_ = now;
+  if (!failing_since_) failing_since_ = begin;
   if (!is_end_of_bus(error) && now - *failing_since_ < longest_failure) {
     next_ = now + failure_pause;
     return next_;

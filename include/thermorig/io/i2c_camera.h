@@ -62,7 +62,7 @@ class I2cCamera {
   int read_measurement();
   bool is_fast_enough(unsigned rate) const;
   void pause_if_too_slow();
-  std::optional<HostTime> failed(int error);
+  std::optional<HostTime> failed(int error, HostTime begin);
 
   int read_words(std::uint16_t address, std::span<std::uint8_t> bytes);
   int read_word(std::uint16_t address, std::uint16_t& word);
