@@ -6,7 +6,6 @@
 #include "profile_path.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
-#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/simulation/panorama.h"
 #include "thermorig/storage/recording_header/profile_fields.h"
@@ -110,9 +109,6 @@ ServoProfile simulated_servo(const std::string& kind, ServoProfile servo) {
   return servo;
 }
 
-constexpr double i2c_poll_s = 0.0005;     // a sensor is asked every millisecond whether it has measured
-constexpr double i2c_latency_s = 0.0135;  // and its pixels lag about 12 ms behind what they see
-
 simulation::GyroGrade gyro_grade(const std::string& name) {
   if (name == "calibrated") return simulation::GyroGrade::calibrated;
   return name == "raw" ? simulation::GyroGrade::mpu6050_raw : simulation::GyroGrade::typical;
@@ -124,29 +120,12 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
                                            const SimulatedParts& parts) {
   simulation::VirtualRigConfig config = simulation::default_rig(seed, environment);
   config.profile.servo = simulated_servo(parts.servo.value_or("winch"), config.profile.servo);
-  const std::string camera = parts.camera.value_or("half");
-  const bool is_sketch = camera == "text" || camera == "binary";  // which merges both halves
-  config.half_fresh = camera != "full" && !is_sketch;
-  if (is_sketch) config.profile.camera.protocol = camera;
-  if (camera == "raw") {
-    config.profile.camera.protocol = "i2c-stick";
-    config.profile.camera.link.baud = sensors::camera_protocol("i2c-stick").bauds.front().baud;
-  }
-  if (camera == "i2c") {  // of this computer, at 400 kHz: nine bits a byte
-    config.profile.camera.protocol = "mlx-raw";
-    config.profile.camera.link.baud = 0;
-    config.profile.camera.link.latency_s = i2c_latency_s;
-    config.camera_bus_baud = 444'444;
-    config.links[Device::camera].kind = simulation::UsbLink::cdc;
-  }
-  if (camera == "query" || camera == "raw" || camera == "i2c") config.camera_start = simulation::CameraStart::when_asked;
   if (parts.gyro_protocol) sensors::choose_gyro(*parts.gyro_protocol, config.profile.gyro);
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));
   simulation::put_in_world(
       simulation::world_named(parts.world.value_or(std::string(simulation::default_world)), seed), config);
-  if (camera == "i2c")  // nothing computes between its exposure and its first byte
-    config.camera_latency_s = 1e-3 * config.world.camera.membrane_lag_ms + i2c_poll_s;
+  simulation::choose_camera(parts.camera.value_or("half"), config);
   return config;
 }
 

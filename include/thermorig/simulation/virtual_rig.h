@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "thermorig/core/chunk.h"
@@ -142,5 +143,13 @@ VirtualRigConfig default_rig(std::uint64_t seed, const std::string& environment)
 /// The rig in that world. Its profile states the gyro's bandwidth in a world whose gyro has the honest one's:
 /// who carries another filter has not looked it up.
 void put_in_world(const World& world, VirtualRigConfig& config);
+
+/// `half` (of the default rig), `full`, `query`, `text`, `binary`, `raw`, `i2c`: what --simulated-camera
+/// takes.
+std::span<const std::string_view> camera_kinds();
+
+/// The rig with such a camera, in the world that it has by then: what it sends, how, and how late. Throws
+/// Error(bad_usage) for a kind that there is not.
+void choose_camera(std::string_view kind, VirtualRigConfig& config);
 
 }  // namespace thermorig::simulation
