@@ -15,6 +15,7 @@
 #include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/simulation/panorama.h"
+#include "thermorig/simulation/virtual_rig.h"
 
 namespace thermorig::app {
 
@@ -94,8 +95,8 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
           "--simulated-camera", parts.camera,
           "Camera: half (half of the pixels are new in each frame, default), full (all are), query (as "
           "half, sends a frame when asked), text or binary (full, as sketches send it), raw (half, the "
-          "sensor's own words)")
-      ->check(one_of({"half", "full", "query", "text", "binary", "raw"}))
+          "sensor's own words through a stick), i2c (the same on a bus of the computer)")
+      ->check(one_of({simulation::camera_kinds().begin(), simulation::camera_kinds().end()}))
       ->type_name("KIND");
   command
       .add_option("--simulated-gyro", parts.gyro,

@@ -6,7 +6,6 @@
 #include "profile_path.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
-#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/simulation/panorama.h"
@@ -79,6 +78,10 @@ void apply(const RigOptions& options, RigProfile& profile) {
   if (!options.servo_protocol.empty()) sensors::choose_servo(options.servo_protocol, profile.servo);
   for (Device device : all_devices)
     if (!options.ports[device].empty()) profile.link(device).port = options.ports[device];
+  if (io::is_i2c_bus(options.ports[Device::camera])) {  // which has no other protocol and no baud rate
+    profile.camera.protocol = "mlx-raw";
+    profile.camera.link.baud = 0;
+  }
   if (options.camera_baud) profile.camera.link.baud = *options.camera_baud;
   if (options.gyro_baud) profile.gyro.link.baud = *options.gyro_baud;
   if (options.servo_baud) profile.servo.link.baud = *options.servo_baud;
@@ -130,20 +133,12 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
                                            const SimulatedParts& parts) {
   simulation::VirtualRigConfig config = simulation::default_rig(seed, environment);
   config.profile.servo = simulated_servo(parts.servo.value_or("winch"), config.profile.servo);
-  const std::string camera = parts.camera.value_or("half");
-  const bool is_sketch = camera == "text" || camera == "binary";  // which merges both halves
-  config.half_fresh = camera != "full" && !is_sketch;
-  if (is_sketch) config.profile.camera.protocol = camera;
-  if (camera == "raw") {
-    config.profile.camera.protocol = "i2c-stick";
-    config.profile.camera.link.baud = sensors::camera_protocol("i2c-stick").bauds.front().baud;
-  }
-  if (camera == "query" || camera == "raw") config.camera_start = simulation::CameraStart::when_asked;
   if (parts.gyro_protocol) sensors::choose_gyro(*parts.gyro_protocol, config.profile.gyro);
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));
   simulation::put_in_world(
       simulation::world_named(parts.world.value_or(std::string(simulation::default_world)), seed), config);
+  simulation::choose_camera(parts.camera.value_or("half"), config);
   return config;
 }
 

@@ -27,7 +27,8 @@ Check check_link(Device device, const RigProfile& profile) {
   const std::uint32_t baud = profile.link(device).baud;
   Check check{.name = std::string(name_of(device)) + " link"};
   if (baud == 0) {
-    check.result = "USB, no baud rate";
+    const bool is_bus = io::is_i2c_bus(profile.link(device).port);
+    check.result = is_bus ? "I2C bus, no baud rate" : "USB, no baud rate";
     return check;
   }
   const timing::LinkBudget budget = timing::link_budget(load.message_bytes, load.rate_hz, baud);

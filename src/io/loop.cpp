@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "asio.h"
+#include "i2c_port.h"
 #include "port_list.h"
 #include "read_watch.h"
 #include "thermorig/core/error.h"
@@ -164,8 +165,13 @@ bool is_not_yet(int error) {
 /// it is ready: that may take long, see read_watch.h. How it was opened is no matter here.
 class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
  public:
-  PortTraffic(asio::io_context& context, files::Descriptor port, Loop::PortHandlers handlers)
-      : port_(std::move(port)), context_(context), writing_(context), handlers_(std::move(handlers)) {}
+  PortTraffic(asio::io_context& context, files::Descriptor port, std::unique_ptr<PortSource> source,
+              Loop::PortHandlers handlers)
+      : port_(std::move(port)),
+        source_(std::move(source)),
+        context_(context),
+        writing_(context),
+        handlers_(std::move(handlers)) {}
   ~PortTraffic() { close(); }
 
   void start() {
@@ -190,6 +196,7 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
     writing_.cancel();
     watch_.reset();
     port_.close();
+    source_.reset();
   }
 
  private:
@@ -224,7 +231,7 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
     if (size > 0)
       handlers_.received(std::span(buffer.data(), static_cast<std::size_t>(size)), arrived);
     else if (size == 0)
-      lose("unplugged");  // a terminal that has hung up reads as ended
+      lose(source_ ? source_->why_ended() : "unplugged");  // a terminal that has hung up reads as ended
     else if (!is_not_yet(reason))
       lose(std::strerror(reason));
     return size > 0;
@@ -254,6 +261,7 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
   }
 
   files::Descriptor port_;
+  std::unique_ptr<PortSource> source_;  // of a port that is no device file of its own
   asio::io_context& context_;
   asio::steady_timer writing_;
   Loop::PortHandlers handlers_;
@@ -269,6 +277,14 @@ struct Loop::Impl {
   asio::io_context context{1};
   asio::executor_work_guard<asio::io_context::executor_type> stays_up = asio::make_work_guard(context);
   std::vector<std::shared_ptr<PortTraffic>> ports;
+
+  PortId add(files::Descriptor port, std::unique_ptr<PortSource> source, PortHandlers handlers) {
+    assert(port && handlers.received);
+    ports.push_back(
+        std::make_shared<PortTraffic>(context, std::move(port), std::move(source), std::move(handlers)));
+    ports.back()->start();
+    return ports.size() - 1;
+  }
   asio::steady_timer timer{context};
   TickSchedule schedule;
   std::function<void(HostTime)> tick;
@@ -311,14 +327,13 @@ Loop::~Loop() {
 }
 
 Loop::PortId Loop::open(const PortProfile& link, PortHandlers handlers, Refusal refusal) {
-  return attach(open_port(link, refusal), std::move(handlers));
+  if (!is_i2c_bus(link.port)) return attach(open_port(link, refusal), std::move(handlers));
+  I2cPort port = open_i2c_port(resolve_port(link.port), refusal);
+  return impl_->add(std::move(port.end), std::move(port.source), std::move(handlers));
 }
 
 Loop::PortId Loop::attach(files::Descriptor port, PortHandlers handlers) {
-  assert(port && handlers.received);
-  impl_->ports.push_back(std::make_shared<PortTraffic>(impl_->context, std::move(port), std::move(handlers)));
-  impl_->ports.back()->start();
-  return impl_->ports.size() - 1;
+  return impl_->add(std::move(port), nullptr, std::move(handlers));
 }
 
 void Loop::write(PortId port, std::span<const std::uint8_t> bytes) {

@@ -19,6 +19,7 @@
 #include <sstream>
 #include <utility>
 
+#include "i2c_port.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
 #include "thermorig/io/files/holder.h"
@@ -112,6 +113,7 @@ std::vector<PortInfo> list_ports() {
   std::vector<PortInfo> ports;
   for (sp_port** port = listed; *port != nullptr; ++port)
     if (!is_system_console(sp_get_port_name(*port))) ports.push_back(describe(*port));
+  for (PortInfo& bus : list_i2c_ports()) ports.push_back(std::move(bus));
   std::sort(ports.begin(), ports.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
   return ports;
 }

@@ -12,6 +12,7 @@ CameraProtocol gy_mcu90640_camera();
 CameraProtocol text_camera();
 CameraProtocol binary_camera();
 CameraProtocol i2c_stick_camera();
+CameraProtocol mlx_raw_camera();
 
 std::string advice_on_unit(const ThermalFrame& frame) {
   const auto [low, high] = std::minmax_element(frame.temp_c.begin(), frame.temp_c.end());
@@ -22,7 +23,8 @@ std::string advice_on_unit(const ThermalFrame& frame) {
 }
 
 std::span<const CameraProtocol> camera_protocols() {
-  static const std::array table{gy_mcu90640_camera(), text_camera(), binary_camera(), i2c_stick_camera()};
+  static const std::array table{gy_mcu90640_camera(), text_camera(), binary_camera(), i2c_stick_camera(),
+                                mlx_raw_camera()};
   return table;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <mlx_raw.h>
 
 #include <array>
 #include <bit>
@@ -62,16 +63,20 @@ void put_words(std::string& text, const std::array<std::uint16_t, Size>& words) 
   for (std::size_t i = 0; i < Size; ++i) text += fmt::format("{}{:04X}", i == 0 ? "" : ",", words[i]);
 }
 
-const RawMlx90640& sensor_of_stick() {
+const RawMlx90640& raw_sensor() {
   static const RawMlx90640 sensor(1);
   return sensor;
 }
 
-std::vector<std::uint8_t> i2c_stick_bytes(const SimulatedFrame& frame, const CameraProfile&) {
+RawMlx90640::HalfFrame words_of(const SimulatedFrame& frame) {
   RawMlx90640::State state;
   state.sensor_temp_c = static_cast<double>(frame.frame.sensor_temp_c);
+  return raw_sensor().half_frame(frame.frame.temp_c, frame.newest_half, state);
+}
+
+std::vector<std::uint8_t> i2c_stick_bytes(const SimulatedFrame& frame, const CameraProfile&) {
   std::string text = fmt::format("raw:33:{:08}:", frame.ready_ns / 1'000'000);
-  put_words(text, sensor_of_stick().half_frame(frame.frame.temp_c, frame.newest_half, state));
+  put_words(text, words_of(frame));
   text += "\r\n";
   return {text.begin(), text.end()};
 }
@@ -93,7 +98,7 @@ Heard i2c_stick_hear(std::span<const std::uint8_t> bytes, const CameraProfile&) 
     }
     if (line == "mr:33:2400,0340") {
       answer += "mr:33:2400,10,01,0340,DATA,";
-      put_words(answer, sensor_of_stick().eeprom());
+      put_words(answer, raw_sensor().eeprom());
       answer += "\r\n";
     }
     line.clear();
@@ -102,10 +107,47 @@ Heard i2c_stick_hear(std::span<const std::uint8_t> bytes, const CameraProfile&) 
   return heard;
 }
 
+void put_raw_message(std::vector<std::uint8_t>& bytes, std::uint8_t kind,
+                     std::span<const std::uint16_t> words) {
+  const std::size_t begin = bytes.size();
+  bytes.resize(begin + mlx_raw_size(static_cast<std::uint16_t>(words.size())));
+  std::uint8_t* const message = bytes.data() + begin;
+  mlx_raw_header(message, kind, static_cast<std::uint16_t>(words.size()));
+  std::uint8_t* at = message + MLX_RAW_HEADER_BYTES;
+  const auto put = [&at](std::uint16_t word) {
+    *at++ = static_cast<std::uint8_t>(word >> 8U);
+    *at++ = static_cast<std::uint8_t>(word & 0xFFU);
+  };
+  for (const std::uint16_t word : words) put(word);
+  put(mlx_raw_sum(0, message, static_cast<std::size_t>(at - message)));
+}
+
+/// On a bus of the computer: that there is new data, and then the data.
+std::vector<std::uint8_t> mlx_raw_bytes(const SimulatedFrame& frame, const CameraProfile&) {
+  std::vector<std::uint8_t> bytes;
+  const std::array<std::uint16_t, 1> new_data{static_cast<std::uint16_t>(8U | frame.newest_half)};
+  put_raw_message(bytes, MLX_RAW_NEW_DATA, new_data);
+  put_raw_message(bytes, MLX_RAW_HALF, words_of(frame));
+  return bytes;
+}
+
+Heard mlx_raw_hear(std::span<const std::uint8_t> bytes, const CameraProfile&) {
+  Heard heard;
+  const std::string text(bytes.begin(), bytes.end());
+  const auto at = text.find(MLX_RAW_COMMAND);
+  if (at == std::string::npos || at + 5 > text.size() || text[at + 4] != '\n') return heard;
+  const char rate = text[at + 3];
+  heard.asks_for_stream = true;
+  if (rate >= '0' && rate <= '7') heard.rate_hz = std::ldexp(0.5, rate - '0');
+  put_raw_message(heard.answer, MLX_RAW_EEPROM, raw_sensor().eeprom());
+  return heard;
+}
+
 constexpr std::array all_camera_encoders{CameraEncoder{"gy-mcu90640", gy_mcu90640_bytes, gy_mcu90640_hear},
                                          CameraEncoder{"text", text_bytes, nullptr},
                                          CameraEncoder{"binary", binary_bytes, nullptr},
-                                         CameraEncoder{"i2c-stick", i2c_stick_bytes, i2c_stick_hear}};
+                                         CameraEncoder{"i2c-stick", i2c_stick_bytes, i2c_stick_hear},
+                                         CameraEncoder{"mlx-raw", mlx_raw_bytes, mlx_raw_hear}};
 
 }  // namespace
 

@@ -1,11 +1,21 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+
+#include "thermorig/core/error.h"
 #include "thermorig/simulation/virtual_rig.h"
 
 namespace thermorig::simulation {
 
 namespace {
-constexpr double unfiltered_gyro_hz = 8000.0;  // the widest that a profile can state: no delay to speak of
-}
+constexpr std::array<std::string_view, 7> all_camera_kinds{"half",   "full", "query", "text",
+                                                           "binary", "raw",  "i2c"};
+constexpr std::uint32_t stick_baud = 1'000'000;  // USB alone
+constexpr std::uint32_t i2c_bus_baud = 444'444;  // 400 kHz, nine bits a byte
+constexpr double i2c_poll_s = 0.0005;            // a sensor is asked each millisecond whether it has measured
+constexpr double i2c_stated_latency_s = 0.0135;  // that, and the lag of its pixels
+constexpr double unfiltered_gyro_hz = 8000.0;    // the widest that a profile can state: no delay to speak of
+}  // namespace
 
 RigProfile default_profile() {
   RigProfile profile;
@@ -45,6 +55,33 @@ std::unique_ptr<Firmware> make_servo(const VirtualRigConfig& config) {
 void put_in_world(const World& world, VirtualRigConfig& config) {
   config.world = world;
   if (world.gyro.bandwidth_hz != World().gyro.bandwidth_hz) config.profile.gyro.bandwidth_hz = 0.0;
+}
+
+std::span<const std::string_view> camera_kinds() {
+  return all_camera_kinds;
+}
+
+void choose_camera(std::string_view kind, VirtualRigConfig& config) {
+  if (std::find(all_camera_kinds.begin(), all_camera_kinds.end(), kind) == all_camera_kinds.end())
+    throw Error(ExitCode::bad_usage, "there is no simulated camera \"" + std::string(kind) + "\"", "",
+                "half, full, query, text, binary, raw, i2c");
+  CameraProfile& camera = config.profile.camera;
+  const bool is_sketch = kind == "text" || kind == "binary";  // which merges both halves
+  config.half_fresh = kind != "full" && !is_sketch;
+  if (kind == "query" || kind == "raw" || kind == "i2c") config.camera_start = CameraStart::when_asked;
+  if (is_sketch) camera.protocol = kind;
+  if (kind == "raw") {
+    camera.protocol = "i2c-stick";
+    camera.link.baud = stick_baud;
+  }
+  if (kind == "i2c") {  // of the computer: nothing computes between its exposure and its first byte
+    camera.protocol = "mlx-raw";
+    camera.link.baud = 0;
+    camera.link.latency_s = i2c_stated_latency_s;
+    config.camera_bus_baud = i2c_bus_baud;
+    config.camera_latency_s = 1e-3 * config.world.camera.membrane_lag_ms + i2c_poll_s;
+    config.links[Device::camera].kind = UsbLink::cdc;
+  }
 }
 
 }  // namespace thermorig::simulation

@@ -37,6 +37,11 @@ CameraConfig camera_config(const VirtualRigConfig& rig) {
           .scene = rig.world.scene};
 }
 
+std::uint32_t camera_line_baud(const VirtualRigConfig& rig) {
+  const std::uint32_t baud = rig.profile.camera.link.baud;
+  return baud == 0 ? rig.camera_bus_baud : baud;
+}
+
 UsbPath path_of(const VirtualRigConfig& rig, Device device) {
   return {rig.links[device], rig.seed, name_of(device), rig.world.links};
 }
@@ -118,7 +123,7 @@ VirtualRig::Parts::Parts(const VirtualRigConfig& rig, std::unique_ptr<Firmware> 
            {.latency_s = rig.gyro_latency_s, .zeroes_itself = rig.gyro_zeroes_itself}, rig.world.gyro),
       camera_encoder(simulation::camera_encoder(rig.profile.camera)),
       gyro_encoder(simulation::gyro_encoder(rig.profile.gyro)),
-      camera_sender{UartLine(rig.profile.camera.link.baud, rig.world.links.baud_error),
+      camera_sender{UartLine(camera_line_baud(rig), rig.world.links.baud_error),
                     {},
                     0,
                     rig.camera_start != CameraStart::when_asked},

@@ -12,6 +12,7 @@
 #include "simulation/gyro.h"
 #include "thermorig/core/frame.h"
 #include "thermorig/sensors/gyro_sketch.h"
+#include "thermorig/sensors/wire/checksums.h"
 #include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::bench {
@@ -454,6 +455,19 @@ std::vector<DeviceLayout> camera_layouts() {
       frame.temp_c[pixel] = static_cast<float>(temperature_c(i, pixel));
     frame.sensor_temp_c = 30.0F;
     return text_of(wire::camera_frame(frame));
+  }));
+  all.push_back(camera("mlx-raw, images of an MLX90642", [](int i) {
+    std::string text("MXI\x03\x02", 5);
+    const auto put_word = [&text](long word) {
+      text += static_cast<char>(word >> 8U & 0xFF);
+      text += static_cast<char>(word & 0xFF);
+    };
+    for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel)
+      put_word(std::lround(50.0 * temperature_c(i, pixel)));
+    put_word(3000);
+    put_word(0);
+    put_word(wire::crc16_xmodem(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size())));
+    return text;
   }));
   all.push_back(camera(
       "a scaled picture, whole numbers",

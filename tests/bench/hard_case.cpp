@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One simulated rig in its world, used as a user would, and its session against the truth: one JSON object.
 // What hard_table.py makes its rows of.
-// Usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS] | --knobs
+// Usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS [CAMERA]] | --knobs
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include "hard_truth.h"
 #include "hard_user.h"
 #include "simulation/world_knobs.h"
+#include "thermorig/core/statistics.h"
 
 namespace {
 
@@ -47,6 +48,7 @@ json times_json(const bench::TimeErrors& errors) {
   for (const double error : errors.errors_s) sum_s += error;
   const auto count = static_cast<double>(errors.errors_s.size());
   return {{"samples", errors.errors_s.size()},
+          {"median_width_ms", errors.widths_s.empty() ? json() : json(1e3 * median(errors.widths_s))},
           {"outside", errors.outside},
           {"mean_ms", errors.errors_s.empty() ? json() : json(1e3 * sum_s / count)},
           {"quantiles_ms", quantiles_json(errors.errors_s)}};
@@ -138,8 +140,9 @@ int main(int count, char** arguments) {
     fmt::print("{}\n", knobs_json().dump());
     return 0;
   }
-  if (count != 4 && count != 5) {
-    fmt::print(stderr, "usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS] | --knobs\n");
+  if (count < 4 || count > 6) {
+    fmt::print(stderr,
+               "usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS [CAMERA]] | --knobs\n");
     return 2;
   }
   try {
@@ -147,7 +150,8 @@ int main(int count, char** arguments) {
     fmt::print("{}\n", case_json({.seed = std::strtoull(arguments[1], nullptr, 10),
                                   .environment = arguments[2],
                                   .world = world,
-                                  .calibrated_in = count == 5 ? arguments[4] : world})
+                                  .calibrated_in = count > 4 ? arguments[4] : world,
+                                  .camera = count > 5 ? arguments[5] : "half"})
                            .dump());
   } catch (const std::exception& error) {
     fmt::print(stderr, "hard_case: {}\n", error.what());

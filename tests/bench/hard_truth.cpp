@@ -54,6 +54,7 @@ bool is_useless(const simulation::SentMessage& frame, const simulation::SentMess
 
 void add(const Stamp& stamp, HostTime truth, double slack_s, TimeErrors& errors) {
   errors.errors_s.push_back(to_s(stamp.time - truth));
+  errors.widths_s.push_back(double{stamp.earlier_s} + double{stamp.later_s});
   errors.outside += is_outside(stamp, truth, slack_s);
 }
 
@@ -132,14 +133,11 @@ PerDevice<TimeErrors> time_errors(const session::Session& session, const simulat
 
 LiveServoTimes live_servo_times(const session::Session& session, const simulation::VirtualRig& rig) {
   LiveServoTimes times;
-  std::vector<double> widths_s;
   pipeline::CausalReplay replay(session.raw);
   while (const auto moment = replay.next())
-    for (const TimedServo& servo : moment->streams.servo) {
+    for (const TimedServo& servo : moment->streams.servo)
       add(servo.stamp, truth_of(servo, rig), latency_slack_s(session, Device::servo), times.errors);
-      widths_s.push_back(double{servo.stamp.earlier_s} + double{servo.stamp.later_s});
-    }
-  times.median_width_s = median(std::move(widths_s));
+  times.median_width_s = median(times.errors.widths_s);
   return times;
 }
 

@@ -31,6 +31,7 @@ LabelErrors label_errors(const session::Session& session, const simulation::Virt
 /// session itself calls late or stale are left out: it claims nothing of their times.
 struct TimeErrors {
   std::vector<double> errors_s;  // stated minus true
+  std::vector<double> widths_s;  // between the stated bounds
   std::size_t outside = 0;       // of these, beyond the stated bounds and three deviations of the latency
 };
 PerDevice<TimeErrors> time_errors(const session::Session& session, const simulation::VirtualRig& rig);

@@ -19,6 +19,7 @@ simulation::VirtualRigConfig rig_in(const HardCase& hard, const std::string& env
                                     const std::string& world, const RigProfile* profile) {
   simulation::VirtualRigConfig config = simulation::default_rig(hard.seed, environment);
   simulation::put_in_world(simulation::world_named(world, hard.seed), config);
+  simulation::choose_camera(hard.camera, config);
   if (profile != nullptr) config.profile = *profile;
   return config;
 }

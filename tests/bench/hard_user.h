@@ -20,6 +20,7 @@ struct HardCase {
   std::string environment = "laboratory";
   std::string world = "honest";
   std::string calibrated_in = "honest";
+  std::string camera = "half";  // of simulation::camera_kinds()
 };
 
 /// A calibration that said that it cannot tell: what it would have measured stays an assumption.

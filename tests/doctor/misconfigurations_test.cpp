@@ -31,6 +31,13 @@ void take_group_away(const MadeHost& host) {
   host.write("/etc/passwd", "anna:x:77777:1000::/home/anna:/bin/sh\n");
 }
 
+void plug_in_bus(const MadeHost& host, const std::string& clock_frequency) {
+  host.write("/dev/i2c-1", "");
+  std::filesystem::permissions(host.root() / "dev/i2c-1", std::filesystem::perms(0666));
+  host.write("/sys/class/i2c-dev/i2c-1/device/name", "bcm2835 (i2c@7e804000)\n");
+  host.write("/sys/class/i2c-dev/i2c-1/device/of_node/clock-frequency", clock_frequency);
+}
+
 std::vector<Misconfiguration> wrong_machines() {
   return {
       {"no permission for the port",
@@ -55,6 +62,27 @@ std::vector<Misconfiguration> wrong_machines() {
       {"the port is not there",
        [] { return host_with([](const MadeHost& host) { host.remove("/dev/ttyUSB1"); }); }, "gyro port",
        "/dev/ttyUSB1 is not there", "USB cable", ExitCode::device_missing},
+      {"a bus at the speed that a Raspberry Pi begins with",
+       [] {
+         const MadeHost host;
+         plug_in_bus(host, std::string("\x00\x01\x86\xA0", 4));
+         return judge_host(look_at_host(host.root(), {{"/dev/i2c-1", Device::camera}}));
+       },
+       "camera port speed", "100 kHz", "i2c_arm_baudrate=400000", std::nullopt},
+      {"a bus that the user may not open",
+       [] {
+         const MadeHost host;
+         plug_in_bus(host, std::string("\x00\x06\x1A\x80", 4));
+         std::filesystem::permissions(host.root() / "dev/i2c-1", std::filesystem::perms(0600));
+         return judge_host(look_at_host(host.root(), {{"/dev/i2c-1", Device::camera}}));
+       },
+       "camera port", "may not be opened", "usermod -aG", ExitCode::no_permission},
+      {"no bus of that number",
+       [] {
+         const MadeHost host;
+         return judge_host(look_at_host(host.root(), {{"/dev/i2c-1", Device::camera}}));
+       },
+       "camera port", "/dev/i2c-1 is not there", "raspi-config", ExitCode::device_missing},
       {"brltty's rule is installed",
        [] {
          return host_with([](const MadeHost& host) {

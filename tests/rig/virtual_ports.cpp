@@ -150,10 +150,10 @@ void VirtualPorts::on_signal(std::function<void(int signal)> handler) {
   }
 }
 
-bool VirtualPorts::is_pseudo_terminal(const std::string& name) const {
+bool VirtualPorts::has_baud(const std::string& name) const {
   const auto path = path_behind(name);
-  return path && std::any_of(ports_.begin(), ports_.end(),
-                             [&](const Port& port) { return port.path == *path && port.baud == 0; });
+  return !path || std::any_of(ports_.begin(), ports_.end(),
+                              [&](const Port& port) { return port.path == *path && port.baud != 0; });
 }
 
 io::KnownPort VirtualPorts::know_port(const std::string& name) const {

@@ -63,7 +63,7 @@ class VirtualPorts : public PortLoop {
   void on_signal(std::function<void(int signal)> handler) override;
   void run() override;
   void stop() override { is_stopped_ = true; }
-  bool is_pseudo_terminal(const std::string& port) const override;
+  bool has_baud(const std::string& port) const override;
   io::KnownPort know_port(const std::string& name) const override;
   std::optional<std::string> find_again(const io::KnownPort& port,
                                         const std::vector<io::KnownPort>& others) const override;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Golden vectors of protocols/vectors: text_camera.txt, binary_camera.txt, i2c_stick.txt, and those of the
-// gyros.
+// Golden vectors of protocols/vectors: text_camera.txt, binary_camera.txt, i2c_stick.txt, mlx_raw.txt, and
+// those of the gyros.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -67,6 +67,7 @@ TEST(GoldenVectors, ImagesInBytesAreReadAsDescribed) {
 
 TEST(GoldenVectors, RawHalfFramesAreReadAsDescribed) {
   expect_images("i2c_stick.txt", "i2c-stick");
+  expect_images("mlx_raw.txt", "mlx-raw");
 }
 
 TEST(GoldenVectors, WitmotionStreamsAreReadAsDescribed) {

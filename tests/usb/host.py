@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 
-PATIENCE_S = 120.0  # TCG on a busy machine; about ten seconds on an idle one
+PATIENCE_S = 150.0  # TCG on a busy machine; about half a minute on an idle one
 
 
 class Qmp:

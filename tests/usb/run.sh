@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Ports on the kernel's real usb-serial driver (ftdi_sio), with plugs pulled and put back, in a QEMU guest: about
-# ten seconds. Skips with a message where QEMU, busybox or a kernel image is missing.
+# Ports on the kernel's real usb-serial driver (ftdi_sio), with plugs pulled and put back, and a camera on a bus behind
+# its driver of a USB bridge (hid-mcp2221), in a QEMU guest: about half a minute. Skips with a message where QEMU, busybox or a kernel image is missing.
 # Usage: bash tests/usb/run.sh [build folder, default build]     THERMORIG_KERNEL_DEB=FILE: a linux-image package
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -38,7 +38,7 @@ fi
 [ -f "$package" ] || skip "there is no kernel package"
 mkdir "$folder/package"
 dpkg-deb --fsys-tarfile "$package" |
-  tar -x -C "$folder/package" --wildcards './boot/vmlinuz-*' './lib/modules/*/kernel/drivers/usb/*'
+  tar -x -C "$folder/package" --wildcards './boot/vmlinuz-*' './lib/modules/*/kernel/drivers/'{usb,hid,i2c}'/*'
 kernel=$(find "$folder/package/boot" -name 'vmlinuz-*')
 
 # A root folder of the guest: its modules in the order of their needs, busybox, the program and its libraries.
@@ -46,9 +46,10 @@ root=$folder/root
 mkdir -p "$root"/{bin,dev,proc,sys,tmp,modules}
 busybox=$(command -v busybox)
 cp "$busybox" "$root/bin/busybox"
-modules=(common/usb-common core/usbcore host/uhci-hcd serial/usbserial serial/ftdi_sio)
+modules=(usb/common/usb-common usb/core/usbcore usb/host/uhci-hcd usb/serial/usbserial usb/serial/ftdi_sio
+  hid/hid hid/uhid hid/hid-mcp2221 i2c/i2c-dev i2c/i2c-stub)
 for module in "${modules[@]}"; do
-  cp "$folder"/package/lib/modules/*/kernel/drivers/usb/"$module".ko "$root/modules/"
+  cp "$folder"/package/lib/modules/*/kernel/drivers/"$module".ko "$root/modules/"
 done
 cp "$guest" "$root/bin/usb_guest"
 ldd "$guest" | grep -o '/[^ ]*' | while read -r library; do
@@ -61,7 +62,10 @@ cat >"$root/init" <<'INIT'
 /bin/busybox mount -t proc proc /proc
 /bin/busybox mount -t sysfs sysfs /sys
 /bin/busybox mount -t devtmpfs devtmpfs /dev
-for module in usb-common usbcore uhci-hcd usbserial ftdi_sio; do /bin/busybox insmod /modules/$module.ko; done
+for module in usb-common usbcore uhci-hcd usbserial ftdi_sio hid uhid hid-mcp2221 i2c-dev; do
+  /bin/busybox insmod /modules/$module.ko
+done
+/bin/busybox insmod /modules/i2c-stub.ko chip_addr=0x33
 /bin/busybox stty -echo </dev/ttyS0
 exec /bin/usb_guest </dev/ttyS0 >/dev/ttyS0 2>&1
 INIT

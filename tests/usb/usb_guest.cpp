@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Runs inside the guest of tests/usb/run.sh, on the kernel's real usb-serial driver. Talks to the script over
-// the console: a line "@ WORD" asks it to do something to the USB bus; it answers with a line on standard
-// input.
+// Runs inside the guest of tests/usb/run.sh, on the kernel's real drivers of usb-serial and of a bridge to
+// I2C. Talks to the script over the console: a line "@ WORD" asks it to do something to the USB bus; it
+// answers with a line on standard input.
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
@@ -12,13 +12,16 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <iostream>
 #include <string>
 #include <thread>
 
+#include "made_mcp2221.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/find_again.h"
 #include "thermorig/io/port.h"
+#include "thermorig/sensors/camera_protocol.h"
 
 namespace thermorig {
 namespace {
@@ -40,7 +43,8 @@ void ask(const std::string& word) {
 
 std::vector<io::PortInfo> usb_ports() {
   std::vector<io::PortInfo> ports = io::list_ports();
-  std::erase_if(ports, [](const io::PortInfo& info) { return info.usb_path.empty(); });
+  std::erase_if(ports,
+                [](const io::PortInfo& info) { return info.usb_path.empty() || io::is_i2c_bus(info.path); });
   return ports;
 }
 
@@ -73,6 +77,10 @@ class Ear {
     return listens_until([this] { return !lost_.empty(); }, patience);
   }
   const std::string& lost() const { return lost_; }
+  const std::string& listens_for(HostDuration time) {
+    listens_until([] { return false; }, time);
+    return heard_;
+  }
 
  private:
   template <typename Condition>
@@ -182,7 +190,74 @@ void finds_it_under_a_new_name(const io::PortInfo& port) {
   close(held);
 }
 
+simulation::RawMlx90640::HalfFrame measured(unsigned subpage) {
+  static float temp_c = 20.0F;
+  std::array<float, frame_pixels> all_c{};
+  all_c.fill(temp_c += 0.125F);
+  return simulation::RawMlx90640(1).half_frame(all_c, subpage, {});
+}
+
+std::vector<io::PortInfo> buses() {
+  std::vector<io::PortInfo> ports = io::list_ports();
+  std::erase_if(ports, [](const io::PortInfo& info) { return !io::is_i2c_bus(info.path); });
+  return ports;
+}
+
+std::string path_of_bus(const std::string& name) {
+  for (int i = 0; i < 16; ++i) {
+    std::ifstream file("/sys/class/i2c-dev/i2c-" + std::to_string(i) + "/name");
+    std::string line;
+    if (std::getline(file, line) && line.find(name) != std::string::npos)
+      return "/dev/i2c-" + std::to_string(i);
+  }
+  return "";
+}
+
+void reads_a_camera(const std::string& path) {
+  Ear ear({.port = path});
+  ear.hears("MXR2\n", 1ms);  // a guest on a busy machine reads one in 0.1 to 0.3 s
+  const std::string& heard = ear.listens_for(5s);
+  CameraProfile profile;
+  profile.protocol = "mlx-raw";
+  sensors::CameraScanner scanner = sensors::camera_scanner(profile);
+  std::vector<wire::CameraMessage> images;
+  scanner.push(std::span(reinterpret_cast<const std::uint8_t*>(heard.data()), heard.size()), images);
+  const wire::Counters& counters = scanner.counters();
+  std::cout << "     " << images.size() << " images in 5 s, " << counters.bad_value << " torn" << std::endl;
+  expect(images.size() >= 5, "2 half-frames a second are read from " + path);
+  expect(counters.bad_value <= 3 && counters.bad_checksum == 0, "few are torn, and none damaged");
+  const bool is_warm =
+      !images.empty() && images.back().frame.temp_c[100] > 20.0F && images.back().frame.temp_c[100] < 60.0F;
+  expect(is_warm, "and they are those that the sensor measured");
+  const std::string refused = error_of({.port = path});
+  expect(refused.find("in use") != std::string::npos, "a second recorder: " + refused);
+}
+
+void is_a_bus(MadeMcp2221& bridge) {
+  expect(comes_true([] { return buses().size() == 1; }, 40s), "one bus with a camera is listed");
+  if (buses().size() != 1) return;
+  const io::PortInfo bus = buses()[0];
+  std::cout << "     " << bus.path << " " << bus.description << std::endl;
+  reads_a_camera(bus.path);
+  bridge.move_sensor_to(0x29);
+  const std::string absent = error_of({.port = bus.path});
+  expect(absent.find("no thermal sensor answers") != std::string::npos, "without a sensor: " + absent);
+  expect(buses().empty(), "and the bus is not listed any more");
+  const std::string simple = error_of({.port = path_of_bus("SMBus stub")});
+  expect(simple.find("cannot read blocks") != std::string::npos, "a bus that knows SMBus alone: " + simple);
+  const std::string missing = error_of({.port = "/dev/i2c-15"});
+  expect(missing.find("no such I2C bus") != std::string::npos, "one that is not there: " + missing);
+  bridge.move_sensor_to(0x33);
+  Ear ear({.port = bus.path});
+  bridge.unplug();
+  const bool noticed = ear.loses_it(20s);
+  expect(noticed, "the unplugging is noticed: " + ear.lost());
+}
+
 int run() {
+  // Its driver takes ten seconds to bind. It outlives all else: its thread waits in the kernel.
+  MadeMcp2221& bridge = *new MadeMcp2221(measured);
+  expect(bridge.is_made(), "a bridge to I2C is made up");
   expect(comes_true([] { return usb_ports().size() == 2; }, 20s), "the kernel's driver has bound");
   const std::vector<io::PortInfo> ports = usb_ports();
   if (ports.size() != 2) return failures;
@@ -190,6 +265,7 @@ int run() {
   is_exclusive(ports[0]);
   finds_them_again(ports);
   finds_it_under_a_new_name(usb_ports().at(0));
+  is_a_bus(bridge);
   return failures;
 }
 

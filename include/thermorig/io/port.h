@@ -23,7 +23,7 @@ std::int64_t realtime_offset_ns();
 /// "2026-07-25T14:35:12.123456Z" for a host time.
 std::string utc_text(HostTime time, std::int64_t realtime_offset_ns);
 
-/// A serial port as the operating system lists it.
+/// A port as the operating system lists it.
 struct PortInfo {
   std::string path;         // /dev/ttyUSB0
   std::string description;  // device strings, control characters stripped
@@ -32,7 +32,8 @@ struct PortInfo {
   std::string serial;
   std::string usb_interface;  // "1.1": configuration and interface, for adapters with several ports
 };
-/// All ports, by path. A port that the kernel uses as its console is left out.
+/// All serial ports, by path, and the I2C buses on which a camera answers. A port that the kernel uses as its
+/// console is left out.
 std::vector<PortInfo> list_ports();
 
 /// The device file behind a port's name: links (by-id, by-path) are followed, "ttyUSB0" stands for
@@ -41,6 +42,10 @@ std::string resolve_port(const std::string& port);
 
 /// True if `port` leads to a pseudo terminal: no wire, no baud rate, and a program in place of a device.
 bool is_pseudo_terminal(const std::string& port);
+
+/// True if `port` leads to an I2C bus of this computer ("/dev/i2c-1"), whether or not it is there: a port
+/// with a camera, whose bytes are those of protocols/mlx_raw.md.
+bool is_i2c_bus(const std::string& port);
 
 /// How a port that is in use is refused: who holds it takes a walk through all processes, which also finds
 /// those who read it without a lock.
@@ -62,7 +67,8 @@ class Loop {
   };
 
   /// Opens a port exclusively (flock; real ports TIOCEXCL as well), raw 8N1 at link.baud, which a pty
-  /// ignores. Bytes that arrived before are thrown away. Throws Error: device_missing (no such port, not a
+  /// ignores. Bytes that arrived before are thrown away. An I2C bus is read from a thread of its own, until
+  /// close(). Throws Error: device_missing (no such port, not a
   /// serial port, baud refused), no_permission (not allowed, in use and by whom, or the system's console).
   PortId open(const PortProfile& link, PortHandlers handlers, Refusal refusal = Refusal::names_holder);
 

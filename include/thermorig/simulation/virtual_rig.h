@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "thermorig/core/chunk.h"
@@ -68,6 +69,7 @@ struct VirtualRigConfig {
   double servo_loop_hz = 8.0;         // bandwidth of the servo's position loop
   std::optional<double>
       camera_latency_s;  // of this board, from the exposure's end to the first byte; drawn if not set
+  std::uint32_t camera_bus_baud = 0;  // of a camera that the profile gives no baud: so fast is its bus
   std::optional<double> gyro_latency_s;
   CameraStart camera_start = CameraStart::by_itself;
   GyroStart gyro_start = GyroStart::by_itself;
@@ -150,5 +152,13 @@ VirtualRigConfig default_rig(std::uint64_t seed, const std::string& environment)
 /// The rig in that world. Its profile states the gyro's bandwidth in a world whose gyro has the honest one's:
 /// who carries another filter has not looked it up.
 void put_in_world(const World& world, VirtualRigConfig& config);
+
+/// `half` (of the default rig), `full`, `query`, `text`, `binary`, `raw`, `i2c`: what --simulated-camera
+/// takes.
+std::span<const std::string_view> camera_kinds();
+
+/// The rig with such a camera, in the world that it has by then: what it sends, how, and how late. Throws
+/// Error(bad_usage) for a kind that there is not.
+void choose_camera(std::string_view kind, VirtualRigConfig& config);
 
 }  // namespace thermorig::simulation

@@ -25,8 +25,8 @@ constexpr auto greeting_period = std::chrono::milliseconds(200);
 
 constexpr double listened_share = 0.35;  // of a step, before a port that is silent is greeted
 
-/// A pty has no baud rate: it is listened to once, and greeted once in each way.
-std::vector<sensors::SearchStep> steps_of_pty() {
+/// A pty has no baud rate, nor has a bus: it is listened to once, and greeted once in each way.
+std::vector<sensors::SearchStep> steps_without_baud() {
   constexpr double listen_share = 0.2, greet_share = 0.3;
   std::vector<sensors::SearchStep> steps;
   for (sensors::SearchStep& step : sensors::search_steps()) {
@@ -44,8 +44,8 @@ class Listener {
  public:
   Listener(PortLoop& loop, const io::PortInfo& info, double listen_s)
       : loop_(loop),
-        has_baud_(!loop.is_pseudo_terminal(info.path)),
-        steps_(has_baud_ ? sensors::search_steps() : steps_of_pty()),
+        has_baud_(loop.has_baud(info.path)),
+        steps_(has_baud_ ? sensors::search_steps() : steps_without_baud()),
         listen_s_(listen_s) {
     finding_.info = info;
     finding_.how = fmt::format("silent at {} baud rates", steps_.size());

@@ -41,8 +41,8 @@ void SystemPortLoop::stop() {
   loop_.stop();
 }
 
-bool SystemPortLoop::is_pseudo_terminal(const std::string& port) const {
-  return io::is_pseudo_terminal(port);
+bool SystemPortLoop::has_baud(const std::string& port) const {
+  return !io::is_pseudo_terminal(port) && !io::is_i2c_bus(port);
 }
 
 io::KnownPort SystemPortLoop::know_port(const std::string& name) const {

@@ -47,18 +47,48 @@ std::string name_of_port(const PortFacts& port) {
   return port.asked.role ? std::string(name_of(*port.asked.role)) + " port" : port.asked.path;
 }
 
+std::string bus_advice(const PortFacts& port, const HostFacts& facts) {
+  const std::string user = facts.user.empty() ? "$USER" : facts.user;
+  if (!port.bus_group.empty())
+    return fmt::format("sudo usermod -aG {} {}, then log out and in again", port.bus_group, user);
+  return fmt::format(
+      "sudo apt install i2c-tools (gives buses to the group i2c), sudo usermod -aG i2c {}, then restart",
+      user);
+}
+
+/// A half-frame has 15,000 bits, nine a byte.
+void add_bus_check(const PortFacts& port, std::vector<Check>& checks) {
+  if (!port.bus_hz) return;
+  constexpr double enough_hz =
+      350e3;  // for 16 half-frames a second, and the EEPROM bears no more than 400 kHz
+  Check check{.name = name_of_port(port) + " speed",
+              .result = fmt::format("the bus runs at {:.0f} kHz", 1e-3 * *port.bus_hz)};
+  if (*port.bus_hz < enough_hz) {
+    check.warning = true;
+    check.result += ": at 100 kHz a half-frame takes 0.15 s to read, so 4 a second are the most";
+    check.advice =
+        port.bus_is_bridge
+            ? "options hid_mcp2221 i2c_clk_freq=400 in /etc/modprobe.d/thermorig.conf, then plug it in "
+              "again"
+            : "dtparam=i2c_arm=on,i2c_arm_baudrate=400000 in /boot/firmware/config.txt, then restart";
+  }
+  checks.push_back(std::move(check));
+}
+
 Check access_failure(const PortFacts& port, const HostFacts& facts) {
   Check check{.name = name_of_port(port), .result = port.asked.path};
   if (!port.usb_id.empty()) check.result += fmt::format(" ({}, {})", port.usb_id, port.driver);
   if (!port.exists) {
     check.code = ExitCode::device_missing;
     check.result += " is not there";
-    check.advice = "check the USB cable; thermorig ports shows which ports there are";
+    check.advice = port.is_bus ? "Raspberry Pi: sudo raspi-config nonint do_i2c 0; a USB bridge: plug it in; "
+                                 "sudo modprobe i2c-dev"
+                               : "check the USB cable; thermorig ports shows which ports there are";
   } else if (!port.may_open) {
     check.code = ExitCode::no_permission;
     check.result += " may not be opened by this user";
-    check.advice = user_check(facts).advice;
-    if (!check.advice.empty() && !facts.has_port_rules)
+    check.advice = port.is_bus ? bus_advice(port, facts) : user_check(facts).advice;
+    if (!port.is_bus && !check.advice.empty() && !facts.has_port_rules)
       check.advice += "; or, at its own screen: install 60-thermorig.rules (docs/doctor.md)";
     if (check.advice.empty()) check.advice = "see who owns it: ls -l " + shell_word(port.asked.path);
   } else if (port.holder) {
@@ -213,6 +243,7 @@ std::vector<Check> judge_host(const HostFacts& facts) {
   for (const PortFacts& port : facts.ports) {
     checks.push_back(access_check(port, facts));
     add_usb_checks(port, checks);
+    add_bus_check(port, checks);
   }
   for (const auto& judge_one : {braille_check, modem_check}) checks.push_back(judge_one(facts));
   for (const Check& check : judge_machine(facts)) checks.push_back(check);

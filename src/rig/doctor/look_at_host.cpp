@@ -167,14 +167,53 @@ bool modem_manager_ignores(const fs::path& root, const std::string& name) {
   return false;
 }
 
+std::string group_name(const fs::path& root, long group) {
+  for (const std::string& line : lines_of(root / "etc/group")) {
+    const auto fields = split(line, ':');
+    if (fields.size() > 2 && number(fields[2]) == group) return fields[0];
+  }
+  return {};
+}
+
+/// What the device tree says of a small computer's own bus, or the driver of an MCP2221 of all of them.
+std::optional<double> bus_hz(const fs::path& root, const fs::path& adapter) {
+  std::ifstream in(adapter / "of_node/clock-frequency", std::ios::binary);
+  std::array<char, 4> bytes{};
+  if (in.read(bytes.data(), bytes.size())) {
+    double hz = 0.0;
+    for (const char byte : bytes) hz = 256.0 * hz + static_cast<unsigned char>(byte);
+    return hz;
+  }
+  if (first_line(adapter / "name").find("MCP2221") == std::string::npos) return std::nullopt;
+  const auto khz = number(first_line(root / "sys/module/hid_mcp2221/parameters/i2c_clk_freq"));
+  return khz ? std::optional(1e3 * static_cast<double>(*khz)) : std::nullopt;
+}
+
+void look_at_bus(const fs::path& root, PortFacts& facts) {
+  const fs::path path(facts.asked.path);
+  struct stat status {};
+  if (stat((root / path.relative_path()).c_str(), &status) == 0 && status.st_gid != 0)
+    facts.bus_group = group_name(root, static_cast<long>(status.st_gid));
+  std::error_code missing;
+  const fs::path adapter = fs::canonical(root / "sys/class/i2c-dev" / path.filename() / "device", missing);
+  if (missing) return;
+  facts.bus_is_bridge = first_line(adapter / "name").find("MCP2221") != std::string::npos;
+  facts.bus_hz = bus_hz(root, adapter);
+}
+
 PortFacts look_at_port(const fs::path& root, const AskedPort& asked, const Process& process) {
   PortFacts facts{.asked = asked};
   const fs::path path(asked.path);
   const std::string name = path.filename();
   std::error_code missing;
   facts.exists = fs::exists(root / path.relative_path(), missing);
+  facts.is_bus = name.starts_with("i2c-");
   if (!facts.exists) return facts;
   facts.may_open = may_open(root, path, process);
+  if (facts.is_bus) {
+    look_at_bus(root, facts);
+    return facts;
+  }
   facts.holder = files::other_holder_of(asked.path, files::Use::any, root / "proc");
   const fs::path device = root / "sys/class/tty" / name / "device";
   const fs::path usb_device = usb_device_of(device);

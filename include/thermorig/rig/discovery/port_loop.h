@@ -33,7 +33,8 @@ class PortLoop {
   virtual void on_signal(std::function<void(int signal)> handler) = 0;
   virtual void run() = 0;
   virtual void stop() = 0;
-  virtual bool is_pseudo_terminal(const std::string& port) const = 0;
+  /// Neither a pseudo terminal has one nor an I2C bus.
+  virtual bool has_baud(const std::string& port) const = 0;
   virtual io::KnownPort know_port(const std::string& name) const = 0;
   virtual std::optional<std::string> find_again(const io::KnownPort& port,
                                                 const std::vector<io::KnownPort>& others) const = 0;
@@ -51,7 +52,7 @@ class SystemPortLoop : public PortLoop {
   void on_signal(std::function<void(int signal)> handler) override;
   void run() override;
   void stop() override;
-  bool is_pseudo_terminal(const std::string& port) const override;
+  bool has_baud(const std::string& port) const override;
   io::KnownPort know_port(const std::string& name) const override;
   std::optional<std::string> find_again(const io::KnownPort& port,
                                         const std::vector<io::KnownPort>& others) const override;

@@ -27,7 +27,11 @@ struct PortFacts {
   std::optional<int> latency_timer_ms;  // FTDI only
   bool may_suspend = false;             // USB autosuspend is on for it
   bool modem_manager_ignores = false;
-  std::optional<std::string> holder;  // "process 4711 (screen)"
+  std::optional<std::string> holder;  // "process 4711 (screen)"; none of a bus, which several may use
+  bool is_bus = false;                // /dev/i2c-N
+  std::string bus_group;              // that may open it; empty if it is root's alone, or not known
+  std::optional<double> bus_hz;       // where the system says it
+  bool bus_is_bridge = false;         // on USB: its driver has the speed
 };
 
 /// What stands on this machine between a recording and its devices.
