@@ -248,9 +248,15 @@ void add_inspect(CLI::App& root, Words& words) {
       .add_option("--html", words.inspect.html,
                   "Write the page that `view` serves, with the session in it, to this file (5 MB at most)")
       ->type_name("FILE");
+  command
+      .add_option("--plots", words.inspect.plots,
+                  "Write figures (SVG, PDF, PNG) and tables (LaTeX, CSV) to this empty folder; of several "
+                  "sessions to a folder each in it")
+      ->type_name("DIR");
   add_json(command, words.inspect.json);
   command.footer(
       "Examples:\n"
+      "  thermorig inspect session.h5 --plots plots\n"
       "  thermorig inspect --check recordings/garden\n"
       "  thermorig inspect kitchen.map");
 }

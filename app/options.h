@@ -136,6 +136,7 @@ struct InspectOptions {
   std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
   bool check = false;
   bool timing = false;
+  std::filesystem::path plots;  // folder of figures and tables; empty: none
   std::filesystem::path html;  // file that the session's page is written to; empty: it is described
   bool json = false;
 };
@@ -238,6 +239,7 @@ struct EvaluateOptions {
   bool study = false;                        // the paper's study instead of a model
   bool live = false;                         // what live runs showed instead of a model
   std::filesystem::path output;  // folder of reports, and of a study its results; of a model empty: none
+  std::filesystem::path plots;   // folder of figures and tables; empty: none
   std::optional<std::filesystem::path> draw;  // folder of a study: only draw its report again
   std::string environment = "garden";
   std::vector<int> frames{2, 3, 4, 5, 6}, reductions{1, 2, 3};

@@ -71,6 +71,7 @@ package() {
 }
 
 package thermorig thermorig '' <<'END'
+Recommends: librsvg2-bin
 Suggests: thermorig-avr, avrdude
 Section: science
 Priority: optional

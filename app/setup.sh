@@ -8,14 +8,14 @@ set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
   libserialport-dev libseccomp-dev libboost-dev libhdf5-dev libfmt-dev libcli11-dev libtoml11-dev nlohmann-json3-dev
-  zlib1g-dev libdeflate-dev libzstd-dev libmd-dev libeigen3-dev libonnx-dev libprotobuf-dev protobuf-compiler
+  zlib1g-dev libdeflate-dev libzstd-dev libmd-dev libeigen3-dev duktape-dev libonnx-dev libprotobuf-dev protobuf-compiler
   gcc-avr avr-libc libsimavr-dev)
 # A node that came from elsewhere brings its npm and conflicts with Debian's.
 add_node() { command -v npm >/dev/null || packages+=(nodejs npm); }
 for part in "$@"; do
   case "$part" in
     page) add_node ;;
-    tests) add_node; packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib python3-onnx
+    tests) add_node; packages+=(libgtest-dev libgmock-dev librsvg2-bin hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib python3-onnx
       python3-pandas python3-venv python3-pip python3-setuptools python3-wheel) ;;
     deep) packages+=(clang-14 lld-14 libclang-rt-14-dev clang-format-14 clang-tidy-14 llvm-14 python3 valgrind g++-aarch64-linux-gnu qemu-user
       gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm slurmctld slurmd slurm-client munge) ;;

@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "evaluate_parts.h"
+#include "plot_files.h"
 
 namespace thermorig::app {
 
@@ -40,10 +41,25 @@ void check_study_words(const EvaluateOptions& options) {
                 "--require-complete");
 }
 
+/// Before anything long begins.
+void check_plots(const EvaluateOptions& options) {
+  const char* word = options.live        ? "--live"
+                     : options.list_jobs ? "--list-jobs"
+                     : options.job       ? "--job"
+                     : options.shard     ? "--shard"
+                                         : nullptr;
+  if (word != nullptr)
+    throw Error(ExitCode::bad_usage, std::string("--plots and ") + word + " do not go together", "",
+                options.live ? "--plots is for a model or a study"
+                             : "when all parts are done: thermorig evaluate --draw study --plots plots");
+  require_no_plots(options.plots);
+}
+
 }  // namespace
 
 ExitCode run(const EvaluateOptions& options) {
   check_study_words(options);
+  if (!options.plots.empty()) check_plots(options);
   if (options.require_complete) return draw_complete_study(options);
   if (options.draw) return draw_study(options);
   if (options.live && options.study)

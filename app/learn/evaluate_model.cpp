@@ -9,6 +9,7 @@
 #include "evaluate_parts.h"
 #include "frame_memory.h"
 #include "general_model.h"
+#include "plot_files.h"
 #include "print/output.h"
 #include "report_files.h"
 #include "session_data.h"
@@ -133,6 +134,10 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
                   [](const Acquisition& acquisition) { return acquisition.is_labelled_by_gyro; });
   evaluated.warnings = warnings_of(model, evaluated, acquisitions);
   if (!options.output.empty()) write_model_report(options.output, model, evaluated.evaluation);
+  if (!options.plots.empty())
+    write_plots(options.plots,
+                report::evaluation_plots(model, evaluated.evaluation,
+                                         std::ranges::any_of(acquisitions, &Acquisition::simulated)));
   if (options.json) {
     nlohmann::json object = model_json(model, evaluated);
     add_choice_to(object, data);

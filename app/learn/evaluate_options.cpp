@@ -91,6 +91,10 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
                      "--live only sessions");
   command.add_option("-o,--output", options.output, "Folder for reports, and for the results of a study")
       ->type_name("DIR");
+  command
+      .add_option("--plots", options.plots,
+                  "Write figures (SVG, PDF, PNG) and tables (LaTeX, CSV) to this empty folder")
+      ->type_name("DIR");
   command.add_flag("--live", options.live, "Evaluate what a live run showed, from its session");
   command.add_flag("--bound", options.bound,
                    "Also compute the best accuracy the images allow (Cramer-Rao bound)");
@@ -113,7 +117,7 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
       "  thermorig evaluate --live recordings/garden\n"
       "  thermorig evaluate --study recordings -o study\n"
       "  thermorig evaluate --study recordings -o study --shard 1/8\n"
-      "  thermorig evaluate --draw study");
+      "  thermorig evaluate --draw study --plots plots");
   command.callback([&options] { take_model(options); });
 }
 

@@ -11,6 +11,7 @@
 #include "evaluate_parts.h"
 #include "frame_memory.h"
 #include "interrupts.h"
+#include "plot_files.h"
 #include "print/output.h"
 #include "report_files.h"
 #include "session_data.h"
@@ -142,9 +143,11 @@ void write_study_report(const fs::path& folder, const std::vector<study::JobResu
                         .html = report::study_html(results)});
 }
 
-void conclude(const fs::path& folder, const std::vector<study::JobResult>& results, bool json) {
+void conclude(const EvaluateOptions& options, const fs::path& folder,
+              const std::vector<study::JobResult>& results) {
   write_study_report(folder, results);
-  if (json)
+  if (!options.plots.empty()) write_plots(options.plots, report::study_plots(results));
+  if (options.json)
     print_json({{"event", "summary"},
                 {"exit_code", 0},
                 {"results", results.size()},
@@ -208,12 +211,12 @@ ExitCode run_study(const EvaluateOptions& options) {
   const std::vector<study::JobResult> results = study::results_of(jobs.chosen, folder);
   if (!finished) return tell_interrupted(options.output, results.size(), jobs.chosen.size(), options.json);
   if (options.job || options.shard) return conclude_part(options, results.size());
-  conclude(options.output, results, options.json);
+  conclude(options, options.output, results);
   return ExitCode::ok;
 }
 
 ExitCode draw_study(const EvaluateOptions& options) {
-  conclude(report_folder_of(options), study::read_results(results_folder_of(*options.draw)), options.json);
+  conclude(options, report_folder_of(options), study::read_results(results_folder_of(*options.draw)));
   return ExitCode::ok;
 }
 
@@ -222,7 +225,7 @@ ExitCode draw_complete_study(const EvaluateOptions& options) {
       jobs_of_study(options, read_data(session_options(options)).acquisitions);
   const fs::path folder = results_folder_of(*options.draw);
   require_complete(jobs, folder, options.json);
-  conclude(report_folder_of(options), study::results_of(jobs, folder), options.json);
+  conclude(options, report_folder_of(options), study::results_of(jobs, folder));
   return ExitCode::ok;
 }
 
@@ -239,7 +242,7 @@ ExitCode renew_baselines(const EvaluateOptions& options) {
   else
     print("baselines of {} results computed again, {} differ from before\n\n", renewed.results,
           renewed.changed);
-  conclude(options.output, study::read_results(folder), options.json);
+  conclude(options, options.output, study::read_results(folder));
   return ExitCode::ok;
 }
 

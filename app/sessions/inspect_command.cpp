@@ -51,10 +51,11 @@ bool names_map(const std::filesystem::path& file) {
 }
 
 void refuse_session_words(const InspectOptions& options, const std::filesystem::path& map) {
-  const std::string word = !options.html.empty() ? "--html"
-                           : options.check       ? "--check"
-                           : options.timing      ? "--timing"
-                                                 : "";
+  const std::string word = !options.html.empty()    ? "--html"
+                           : !options.plots.empty() ? "--plots"
+                           : options.check          ? "--check"
+                           : options.timing         ? "--timing"
+                                                    : "";
   if (word.empty()) return;
   throw Error(ExitCode::bad_usage, word + " is for sessions, and this is a map", map.string(),
               "thermorig inspect " + shell_word(map.string()));
@@ -136,10 +137,12 @@ class Inspection {
 /// Every file is looked at, also after one that is no session: the exit code is that of the first that is not
 /// well. With --json one array, an object a file.
 ExitCode run(const InspectOptions& options) {
-  if (!options.html.empty()) {
+  if (!options.html.empty() && !options.plots.empty())
+    throw Error(ExitCode::bad_usage, "--html and --plots are two questions", "", "ask one after the other");
+  if (!options.html.empty() || !options.plots.empty()) {
     for (const auto& path : options.paths)
       if (names_map(path)) refuse_session_words(options, path);
-    return write_session_page(options);
+    return options.html.empty() ? write_session_plots(options) : write_session_page(options);
   }
   Inspection inspection(options);
   for (const auto& path : options.paths) inspection.look_at(path);

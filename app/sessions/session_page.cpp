@@ -3,13 +3,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "export_files.h"
+#include "plot_files.h"
 #include "print/output.h"
 #include "session_files.h"
+#include "thermorig/io/spill/spill.h"
 #include "thermorig/io/web/server.h"
 #include "thermorig/io/web/session_document.h"
+#include "thermorig/storage/session/rows.h"
 #include "thermorig/storage/view/packed_session.h"
 
 namespace thermorig::app {
@@ -62,6 +66,19 @@ void print_written(const InspectOptions& options, const std::filesystem::path& s
   if (!packed.left_out.empty()) print("left out  {}\n", packed.left_out);
 }
 
+/// As one looks at the scene; nothing if no frame is valid.
+std::vector<float> first_valid_image(const session::StoredFile& file, const session::Rows& rows) {
+  const std::vector<LabelledSample>& samples = rows.session.samples;
+  const auto found = std::ranges::find_if(samples, &LabelledSample::valid);
+  if (found == samples.end()) return {};
+  const auto index = static_cast<std::uint64_t>(found - samples.begin());
+  const session::Images images = session::read_images(file, {index, 1});
+  std::vector<float> pixels(images.frames.front().temp_c.begin(), images.frames.front().temp_c.end());
+  for (std::size_t row = 0; images.mirrored && row < frame_rows; ++row)
+    std::reverse(pixels.begin() + row * frame_columns, pixels.begin() + (row + 1) * frame_columns);
+  return pixels;
+}
+
 }  // namespace
 
 void require_page() {
@@ -88,6 +105,32 @@ ExitCode write_session_page(const InspectOptions& options) {
   file.write(std::string_view(document));
   file.publish();
   print_written(options, path, packed, document.size());
+  return ExitCode::ok;
+}
+
+ExitCode write_session_plots(const InspectOptions& options) {
+  if (options.check || options.timing)
+    throw Error(ExitCode::bad_usage, "--plots writes figures, and says nothing else of a session", "",
+                "leave out --check and --timing");
+  require_no_plots(options.plots);
+  const std::vector<std::filesystem::path> sessions = session_files_at(options.paths);
+  nlohmann::json list = nlohmann::json::array();
+  for (const std::filesystem::path& path : sessions) {
+    refuse_journal(path);
+    spill::arrays_near(path);
+    const session::StoredFile file(path);
+    const session::Rows rows = session::read_rows(file);
+    const std::vector<report::PlotFile> plots = report::session_plots(rows, first_valid_image(file, rows));
+    const std::filesystem::path folder = sessions.size() == 1 ? options.plots : options.plots / path.stem();
+    write_plots(folder, plots);
+    const bool simulated = rows.session.raw.header.simulated;
+    if (options.json)
+      list.push_back({{"session", path.string()}, {"simulated", simulated}, {"plots", folder.string()}});
+    else
+      print("session   {}{}\nplots     {}\n", printable(path.string()),
+            simulated ? ": of a SIMULATED rig" : "", printable(folder.string()));
+  }
+  if (options.json) print_json(list);
   return ExitCode::ok;
 }
 

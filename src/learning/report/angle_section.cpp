@@ -16,6 +16,7 @@ std::string drift_cell(const FoldDrift& drift) {
 
 Table drift_table(const StudyView& view, DriftFrom from) {
   Table table;
+  table.name = from == DriftFrom::settled ? "drift-settled" : "drift";
   table.caption = fmt::format(
       "Drift in deg/min and, in brackets, the worst angle error in deg{} at {}, "
       "{}",
@@ -56,6 +57,7 @@ std::vector<EstimatorTrack> tracks_of(const StudyView& view, const std::string& 
 
 Chart angle_chart(const std::string& title, const std::vector<EstimatorTrack>& tracks) {
   Chart chart;
+  chart.name = "angle";
   chart.title = title;
   chart.label = "Error of the integrated angle over time, a line an estimator. Drift and worst error:";
   auto lines = nlohmann::json::array();

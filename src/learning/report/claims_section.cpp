@@ -7,6 +7,7 @@ namespace {
 
 Table claims_table(const std::vector<Claim>& claims, bool of_paper, bool seeds, const std::string& caption) {
   Table table;
+  table.name = of_paper ? "claims" : "own-claims";
   table.caption = caption;
   table.emphasised = 1;
   table.header = {"claim", "on these data", "numbers"};

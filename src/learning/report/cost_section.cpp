@@ -12,12 +12,13 @@ using nlohmann::json;
 using study::SettingSummary;
 
 struct Cost {
-  std::string title, key;
+  std::string title, name;
   std::uint64_t (*of)(const SettingSummary&);
 };
 
 Table cost_table(const StudyView& view) {
   Table table;
+  table.name = "cost";
   table.caption = "Cost of one window";
   table.groups = {{"", 1}, {"thermal-only", 2}, {"fusion", 2}};
   table.header = {"setting", "weights", "multiply-adds", "weights", "multiply-adds"};
@@ -35,6 +36,7 @@ Table cost_table(const StudyView& view) {
 
 Chart cost_chart(const StudyView& view, const Cost& cost) {
   Chart chart;
+  chart.name = cost.name;
   chart.title = fmt::format("{} against Nr, Nf = {}", cost.title, view.reference.frames);
   chart.label = chart.title + ":";
   json categories = json::array(), thermal = json::array(), fusion = json::array();
@@ -64,7 +66,7 @@ Chart cost_chart(const StudyView& view, const Cost& cost) {
 Section cost_section(const StudyView& view) {
   const Cost weights{"Weights", "weights",
                      [](const SettingSummary& s) -> std::uint64_t { return s.weights; }};
-  const Cost adds{"Multiply-adds of one window", "multiply_adds",
+  const Cost adds{"Multiply-adds of one window", "cost",
                   [](const SettingSummary& s) -> std::uint64_t { return s.multiply_adds; }};
   return {"Weights and multiply-adds",
           {Charts{{cost_chart(view, weights), cost_chart(view, adds)}}, cost_table(view)}};

@@ -23,6 +23,7 @@ struct ColumnGroup {
 };
 
 struct Table {
+  std::string name;  // of its files, see plots.h
   std::string caption;
   std::vector<ColumnGroup> groups;  // left to right over all columns, or empty
   std::vector<std::string> header;
@@ -34,6 +35,7 @@ struct Table {
 /// A plot. `label` says in a sentence what it shows, for those who cannot see it; `data` is what
 /// charts/page.js takes, chosen by its member "kind".
 struct Chart {
+  std::string name;  // of its file, see plots.h
   std::string title;
   std::string label;
   nlohmann::json data;
@@ -44,6 +46,9 @@ struct Charts {
   std::vector<Chart> charts;
   bool small = false;  // many of a kind
 };
+
+/// Columns of figures alone, which stand on the right; text.h says how figures look.
+std::vector<bool> number_columns(const Table& table);
 
 using Block = std::variant<Paragraph, Table, Charts>;
 

@@ -6,6 +6,7 @@
 #include "html.h"
 #include "json_values.h"
 #include "markdown.h"
+#include "plots.h"
 #include "sections.h"
 #include "text.h"
 #include "thermorig/learning/report/report.h"
@@ -32,6 +33,7 @@ Section model_section(const Model& model) {
   const network::Shape& shape = model.weights.shape;
   const model::Provenance& from = model.provenance;
   Table table;
+  table.name = "model";
   table.header = {"what", "value"};
   table.rows = {
       {"network", fmt::format("{}, {}", setting_text(shape.frames, shape.reduction),
@@ -53,17 +55,18 @@ Section model_section(const Model& model) {
 }
 
 Table errors_table(const Model& model, const study::PerEstimator<study::Errors>& by_estimator,
-                   const char* truth) {
+                   const char* truth, const char* name) {
   Table table;
+  table.name = name;
   table.caption =
       fmt::format("Errors over all windows against {} (MSE: (speed / {:g} deg/s)^2; the rest in deg/s)",
                   truth, model.scaling.label_scale_dps);
   table.header = {"estimator",       "windows",        "MSE",       "RMSE", "median |error|",
                   "95th percentile", "above 30 deg/s", "mean error"};
-  for (const std::string& name : estimators_of(model)) {
-    const study::Errors& errors = by_estimator[name];
-    table.rows.push_back({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
-                          rate_text(errors.median_dps), rate_text(errors.p95_dps),
+  for (const std::string& estimator : estimators_of(model)) {
+    const study::Errors& errors = by_estimator[estimator];
+    table.rows.push_back({estimator, count_text(errors.windows), mse_text(errors.mse),
+                          rate_text(errors.rmse_dps), rate_text(errors.median_dps), rate_text(errors.p95_dps),
                           share_text(errors.outlier_share), rate_text(errors.mean_error_dps)});
   }
   return table;
@@ -71,12 +74,13 @@ Table errors_table(const Model& model, const study::PerEstimator<study::Errors>&
 
 Section errors_section(const Model& model, const Evaluation& evaluation) {
   return {"Errors",
-          {errors_table(model, evaluation.errors, "the commanded speed"),
-           errors_table(model, evaluation.shaft_errors, "the shaft, by the servo model")}};
+          {errors_table(model, evaluation.errors, "the commanded speed", "errors"),
+           errors_table(model, evaluation.shaft_errors, "the shaft, by the servo model", "errors-shaft")}};
 }
 
 Section bounds_section(const Model& model, const study::BoundErrors& bounds) {
   Table table;
+  table.name = "bound";
   table.caption = fmt::format(
       "Errors in units of the Cramer-Rao bound of each window's images: median {} deg/s over {} windows, "
       "below "
@@ -110,6 +114,7 @@ std::vector<std::string> sigma_row(const std::string& name, const study::GateSig
 
 Section sigma_section(const Evaluation& evaluation) {
   Table table;
+  table.name = "sigma";
   table.caption = fmt::format(
       "What Kg states of the rate from the images, beside its errors against the shaft; fusion in "
       "expectation "
@@ -135,6 +140,7 @@ Section angles_section(const Model& model, const Evaluation& evaluation) {
   Charts charts;
   charts.small = evaluation.angles.size() > 2;
   Table table;
+  table.name = "drift";
   table.caption = "Drift in deg/min and, in brackets, the worst angle error in deg";
   table.header = {"acquisition"};
   table.header.insert(table.header.end(), estimators.begin(), estimators.end());
@@ -178,6 +184,10 @@ std::string evaluation_markdown(const Model& model, const Evaluation& evaluation
 
 std::string evaluation_html(const Model& model, const Evaluation& evaluation) {
   return html_of(document_of(model, evaluation));
+}
+
+std::vector<PlotFile> evaluation_plots(const Model& model, const Evaluation& evaluation, bool simulated) {
+  return plots_of(document_of(model, evaluation), simulated || model.provenance.simulated);
 }
 
 std::string evaluation_json(const Model& model, const Evaluation& evaluation) {

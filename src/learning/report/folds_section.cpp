@@ -9,6 +9,7 @@ namespace {
 
 Table setup_table(const StudyView& view, bool fusion) {
   Table table;
+  table.name = fusion ? "folds-fusion" : "folds-thermal";
   table.caption =
       fmt::format("Test MSE fold by fold, {}, seed {}", fusion ? "fusion" : "thermal-only", view.table_seed);
   table.header = {"fold"};
@@ -35,6 +36,7 @@ std::string detail_cell(const study::Errors& errors) {
 /// RMSE, median and 95th percentile of |error|, outliers, bias: of all estimators at the reference.
 Table detail_table(const StudyView& view) {
   Table table;
+  table.name = "folds";
   table.caption = view.reference_text() +
                   " in deg/s: RMSE / median |error| / 95th percentile / |error| above 30 deg/s / mean "
                   "error";

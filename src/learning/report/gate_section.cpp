@@ -22,6 +22,7 @@ std::vector<std::string> gain_row(std::vector<std::string> row, const study::Gai
 
 Table gain_table(const StudyView& view) {
   Table table;
+  table.name = "kg";
   table.caption = "Kg over all test windows of all folds, " + view.ours();
   table.header = {"setting", "seed", "mean", "sd", "median", "below 0.02", "above 0.98", "peak", "gate"};
   for (const study::SettingSummary& summary : view.summaries)
@@ -33,6 +34,7 @@ Table gain_table(const StudyView& view) {
 
 Table fold_table(const StudyView& view) {
   Table table;
+  table.name = "kg-folds";
   table.caption = fmt::format("Kg fold by fold at {}, seed {}", view.reference_text(), view.table_seed);
   table.header = {"fold", "mean", "sd", "median", "below 0.02", "above 0.98", "peak", "gate"};
   for (const study::JobResult* result : view.jobs(view.reference, true))
@@ -45,6 +47,7 @@ Table fold_table(const StudyView& view) {
 
 Chart gain_chart(const std::string& title, const study::GainStatistics& gain) {
   Chart chart;
+  chart.name = "kg";
   chart.title = fmt::format("{}: mean {:.2f}", title, gain.mean);
   chart.label = fmt::format("Histogram of Kg over {} windows: mean {:.2f}, peak at {:.3f}.",
                             count_text(gain.windows()), gain.mean, peak_of(gain));

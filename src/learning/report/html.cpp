@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "html.h"
 
-#include <cctype>
-
 #include "page.h"
 #include "text.h"
 #include "thermorig/learning/report/report.h"
@@ -48,23 +46,6 @@ std::string script_data(const nlohmann::json& data) {
       out += c;
   }
   return out;
-}
-
-/// A figure or two, such as "0.0122" and "-3.1 (12)".
-bool is_number(const std::string& cell) {
-  constexpr std::size_t longest = 16;
-  const std::size_t first = cell.starts_with('-') ? 1 : 0;
-  return cell == no_value || (first < cell.size() && cell.size() <= longest &&
-                              std::isdigit(static_cast<unsigned char>(cell[first])) != 0);
-}
-
-/// Columns of figures alone, which stand on the right.
-std::vector<bool> number_columns(const Table& table) {
-  std::vector<bool> numbers(table.header.size(), !table.rows.empty());
-  for (const auto& row : table.rows)
-    for (std::size_t column = 0; column < row.size() && column < numbers.size(); ++column)
-      numbers[column] = numbers[column] && (is_number(row[column]) || row[column] == no_result);
-  return numbers;
 }
 
 std::string element(const std::string& tag, const std::string& attributes, const std::string& content) {

@@ -65,6 +65,7 @@ Paragraph mixture() {
 
 Section overview_section(const StudyView& view) {
   Table table;
+  table.name = "study";
   table.header = {"what", "value"};
   table.rows = {
       {"data", view.simulated ? "SIMULATED rig" : "real"},

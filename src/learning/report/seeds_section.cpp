@@ -28,6 +28,7 @@ std::vector<std::string> seed_row(const StudyView& view, std::uint64_t seed) {
 
 Section seeds_section(const StudyView& view) {
   Table table;
+  table.name = "seeds";
   table.caption =
       fmt::format("{} with each seed, {}: MSE (RMSE in deg/s)", view.reference_text(), view.ours());
   table.groups = {{"", 1}, {"thermal-only", 3}, {"fusion", 3}};

@@ -65,6 +65,7 @@ Table magnitude_table(const std::vector<SpeedErrors>& speeds, double label_scale
     for (const std::string& name : estimators) magnitude.errors[name].add(speed.mse[name], speed.windows);
   }
   Table table;
+  table.name = "speed";
   table.caption = "Windows and RMSE in deg/s by commanded speed";
   table.folded = magnitudes.size() > 8;
   table.groups = {{"", 1}, {"windows", 2}, {"RMSE, deg/s", estimators.size()}};
@@ -83,6 +84,7 @@ Table magnitude_table(const std::vector<SpeedErrors>& speeds, double label_scale
 Chart speed_chart(const std::vector<SpeedErrors>& speeds, double label_scale_dps,
                   std::span<const std::string> estimators) {
   Chart chart;
+  chart.name = "speed";
   chart.title = "RMSE by commanded speed";
   chart.label = fmt::format(
       "RMSE in deg/s against the commanded speed, {} speeds, a line an estimator. The "

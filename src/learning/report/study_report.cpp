@@ -5,6 +5,7 @@
 
 #include "html.h"
 #include "markdown.h"
+#include "plots.h"
 #include "sections.h"
 #include "text.h"
 #include "thermorig/learning/report/report.h"
@@ -60,6 +61,10 @@ std::string study_markdown(std::span<const study::JobResult> results) {
 
 std::string study_html(std::span<const study::JobResult> results) {
   return html_of(document_of(results));
+}
+
+std::vector<PlotFile> study_plots(std::span<const study::JobResult> results) {
+  return plots_of(document_of(results), std::ranges::any_of(results, &study::JobResult::simulated));
 }
 
 }  // namespace thermorig::report

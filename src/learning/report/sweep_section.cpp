@@ -16,6 +16,7 @@ using nlohmann::json;
 using study::SettingSummary;
 
 struct Sweep {
+  std::string name;  // of its files
   std::vector<Setting> settings;
   int Setting::*axis;
   std::string axis_name;  // "Nf"
@@ -85,6 +86,7 @@ std::vector<std::string> baseline_row(const StudyView& view, const std::string& 
 
 Table paper_table(const StudyView& view, const Sweep& sweep) {
   Table table;
+  table.name = sweep.name;
   table.caption = fmt::format("Test MSE over folds at {}, in the paper's layout (in brackets: RMSE in deg/s)",
                               sweep.fixed);
   table.groups = {{"", 1}, {"paper, real data", 4}, {view.ours(), 5}};
@@ -105,6 +107,7 @@ const SettingSummary* summary_for(const StudyView& view, const Setting& setting,
 
 Table estimator_table(const StudyView& view, const Sweep& sweep) {
   Table table;
+  table.name = sweep.name + "-estimators";
   table.caption =
       fmt::format("All estimators on the same windows, {}: median MSE (RMSE in deg/s), IQR", view.ours());
   table.header = {"estimator"};
@@ -162,6 +165,7 @@ json paper_medians(const Sweep& sweep, bool fusion) {
 
 Chart box_chart(const StudyView& view, const Sweep& sweep) {
   Chart chart;
+  chart.name = sweep.name;
   chart.title =
       fmt::format("Test MSE over folds against {} at {} ({})", sweep.axis_name, sweep.fixed, view.ours());
   chart.label = fmt::format(
@@ -194,13 +198,13 @@ Section sweep_section(const StudyView& view, const std::string& heading, const S
 Section frame_sweep_section(const StudyView& view) {
   return sweep_section(
       view, "Frames of a window (Nf)",
-      {view.frame_sweep(), &Setting::frames, "Nf", fmt::format("Nr = {}", view.reference.reduction)});
+      {"nf", view.frame_sweep(), &Setting::frames, "Nf", fmt::format("Nr = {}", view.reference.reduction)});
 }
 
 Section reduction_sweep_section(const StudyView& view) {
-  return sweep_section(
-      view, "Resolution (Nr)",
-      {view.reduction_sweep(), &Setting::reduction, "Nr", fmt::format("Nf = {}", view.reference.frames)});
+  return sweep_section(view, "Resolution (Nr)",
+                       {"nr", view.reduction_sweep(), &Setting::reduction, "Nr",
+                        fmt::format("Nf = {}", view.reference.frames)});
 }
 
 }  // namespace thermorig::report

@@ -3,10 +3,24 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "document.h"
+
 namespace thermorig::report {
+namespace {
+
+/// A figure or two, such as "0.0122" and "-3.1 (12)".
+bool is_number(const std::string& cell) {
+  constexpr std::size_t longest = 16;
+  const std::size_t first = cell.starts_with('-') ? 1 : 0;
+  return cell == no_value || (first < cell.size() && cell.size() <= longest &&
+                              std::isdigit(static_cast<unsigned char>(cell[first])) != 0);
+}
+
+}  // namespace
 
 std::string mse_text(double mse) {
   if (!std::isfinite(mse)) return no_value;
@@ -44,6 +58,14 @@ std::string clean(const std::string& text) {
   for (char& c : cleaned)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
   return cleaned;
+}
+
+std::vector<bool> number_columns(const Table& table) {
+  std::vector<bool> numbers(table.header.size(), !table.rows.empty());
+  for (const auto& row : table.rows)
+    for (std::size_t column = 0; column < row.size() && column < numbers.size(); ++column)
+      numbers[column] = numbers[column] && (is_number(row[column]) || row[column] == no_result);
+  return numbers;
 }
 
 }  // namespace thermorig::report

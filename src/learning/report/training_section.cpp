@@ -46,6 +46,7 @@ std::vector<Curve> curves_of(const StudyView& view) {
 
 Chart curve_chart(const std::vector<Curve>& curves) {
   Chart chart;
+  chart.name = "training";
   chart.title = "Training MSE by epoch (median over folds)";
   chart.label = "Training MSE against the epoch, a line a set-up:";
   auto lines = nlohmann::json::array();
@@ -70,6 +71,7 @@ Section training_section(const StudyView& view) {
   const auto curves = curves_of(view);
   if (curves.empty()) return {"Training", {Paragraph{"No training curve at " + view.reference_text() + "."}}};
   Table table;
+  table.name = "training";
   table.caption = "Training at " + view.reference_text() +
                   ": median MSE over folds, first and last epoch, beside the test's";
   table.header = {"set-up", "epochs", "first epoch", "last epoch", "test", "test / last epoch"};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { fixed, fields, list, number, plain } from './text.js';
-import { estimatorLines } from './theme.js';
+import { estimatorLines } from '../../../line_styles.js';
 
 const mostEstimators = estimatorLines.length;
 const mostValues = 8;

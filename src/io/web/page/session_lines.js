@@ -3,7 +3,7 @@
 import { estimatorsOf, stateText, valuesText } from './estimators.js';
 import { lineSample } from './line_sample.js';
 import { byId, fixed, list, plain, say } from './text.js';
-import { sessionLines } from './theme.js';
+import { lineOf } from '../../../line_styles.js';
 
 const noEstimate = 255;
 
@@ -42,7 +42,7 @@ function estimatorLinesOf(facts, rows) {
 /** All lines, those of the session itself first, and how many estimators are left out. */
 export function linesOf(facts, rows) {
   const commanded = rows.get('commanded_dps');
-  const own = (name, label, title, column, sigma = null) => ({ name, label, title, shown: true, line: sessionLines[name.split('-')[0]], rate: rows.get(column),
+  const own = (name, label, title, column, sigma = null) => ({ name, label, title, shown: true, line: lineOf(name), rate: rows.get(column),
     difference: name === 'commanded' ? null : minus(rows.get(column), commanded), sigma: sigma === null ? null : rows.get(sigma), remark: () => '' });
   const estimators = estimatorLinesOf(facts, rows);
   return { left: estimators.left, lines: [

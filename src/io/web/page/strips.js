@@ -6,7 +6,8 @@ import { countedFirst, everything } from './limits.js';
 import { lineSample } from './line_sample.js';
 import { Strip } from './strip.js';
 import { byId, fixed, say } from './text.js';
-import { onThemeChange, servoLine } from './theme.js';
+import { servoLine } from '../../../line_styles.js';
+import { onThemeChange } from './theme.js';
 
 /** The four plots over time, with one cursor and one time axis. */
 export class Strips {

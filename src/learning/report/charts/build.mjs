@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Makes page.cpp: the page around a report with its style, the bundled script and the licences of what is in it.
+// Makes page.cpp: the page around a report with its style, the bundled script and the licences of what is in it; and the
+// script that draws a chart as a figure, for an engine that knows ES5 only.
 // Usage: node build.mjs <folder of the sources> <page.cpp to write>   (in the folder of node_modules)
 import { createHash } from 'node:crypto';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { build } from 'esbuild';
+import typescript from 'typescript';
 
 const [source, target] = process.argv.slice(2).map((path) => resolve(path));
 const read = (name) => readFileSync(join(source, name), 'utf8');
@@ -32,6 +34,16 @@ const html = (text) => text.replace(/[&<>]/g, (c) => ({ '&': '&amp;', '<': '&lt;
 const script = await bundle({ entryPoints: ['page.js'], format: 'iife', target: 'es2020' });
 const style = await bundle({ entryPoints: ['page.css'], target: ['chrome100', 'firefox100', 'safari15'] });
 if (/<\/script|<!--/i.test(script)) throw new Error('the script would end its own element');
+
+/** The colours of paper, which style sheets name first. */
+const printColours = Object.fromEntries([read('page.css'), read('../../../line_colours.css')].flatMap((sheet) =>
+  [...sheet.split('}')[0].matchAll(/--([a-z0-9-]+): (#[0-9a-f]+)/g)].map(([, name, colour]) => [name, colour])));
+// Not the syntax: Duktape 2.7 takes no `in` within the head of a loop, where esbuild would put some.
+const modern = await bundle({ entryPoints: ['figure.js'], format: 'iife', target: 'es2020', minify: false, minifyWhitespace: true,
+  minifyIdentifiers: true, define: { PRINT_COLOURS: JSON.stringify(printColours) } });
+const compiled = typescript.transpileModule(modern, { compilerOptions: { target: 'ES5', downlevelIteration: true } }).outputText;
+const figureScript = (await build({ stdin: { contents: compiled }, minifyWhitespace: true, write: false, target: 'es5',
+  charset: 'ascii', legalComments: 'none' })).outputFiles[0].text.trim();
 
 // Nothing is loaded, only this script runs. Drawn charts set style attributes, so these are allowed.
 const policy = [`default-src 'none'`, `script-src ${hash(script)}`, `style-src-elem ${hash(style)}`,
@@ -61,6 +73,9 @@ const bool has_charts = true;
 
 const std::array<std::string_view, 4> page_parts{{
 ${parts.map(literal).join(',\n')}}};
+
+const std::string_view figure_script{
+${literal(figureScript)}};
 
 }  // namespace thermorig::report
 `);

@@ -5,14 +5,12 @@ import { BarChart, CustomChart, LineChart, ScatterChart } from 'echarts/charts';
 import { GridComponent, LegendComponent, MarkLineComponent, TooltipComponent } from 'echarts/components';
 import { SVGRenderer } from 'echarts/renderers';
 import { themeNow } from './theme.js';
-import { boxesOption } from './boxes.js';
-import { barsOption, histogramOption, linesOption } from './simple.js';
+import { optionOf } from './options.js';
 import { addLegend } from './legend.js';
 
 echarts.use([BarChart, CustomChart, LineChart, ScatterChart, GridComponent, LegendComponent, MarkLineComponent,
   TooltipComponent, SVGRenderer]);
 
-const optionOf = { boxes: boxesOption, histogram: histogramOption, lines: linesOption, bars: barsOption };
 const data = JSON.parse(document.getElementById('charts').textContent);
 const places = [...document.querySelectorAll('.chart')];
 let drawn = [];
@@ -23,7 +21,7 @@ function draw() {
   drawn = places.map((place) => {
     const chart = echarts.init(place, null, { renderer: 'svg' });
     const described = data[Number(place.dataset.chart)];
-    chart.setOption({ animation: false, ...optionOf[described.kind](described, theme) });
+    chart.setOption({ animation: false, ...optionOf(described, theme) });
     if (place.closest('.small') === null) addLegend(place, [[chart, described]], theme);
     return chart;
   });

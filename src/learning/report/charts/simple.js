@@ -13,7 +13,7 @@ export function linesOption(chart, theme) {
     grid: { left: 66, right: 18, top: 14, bottom: 46 },
     legend: legend(names),
     tooltip: tooltip(theme, { trigger: 'axis', valueFormatter: number }),
-    xAxis: axis(theme, chart.x, { type: 'value', min: 'dataMin', max: 'dataMax', nameGap: 26,
+    xAxis: axis(theme, chart.x, { type: 'value', min: chart.thinned === true ? 0 : 'dataMin', max: 'dataMax', nameGap: 26,
       minInterval: chart.points === true ? 1 : 0,
       splitLine: { show: false } }),
     yAxis: axis(theme, logarithmic ? `${chart.y} (logarithmic)` : chart.y, {
@@ -21,7 +21,7 @@ export function linesOption(chart, theme) {
     }),
     series: chart.lines.map((line) => ({
       type: 'line', name: line.name, z: order.indexOf(line.key) + 2, data: line.x.map((x, i) => [x, line.y[i]]), showSymbol: chart.points === true,
-      symbolSize: 4, lineStyle: { color: theme.colourOf(line.key), ...theme.strokeOf(line.key) },
+      sampling: chart.thinned === true ? 'lttb' : undefined, symbolSize: 4, lineStyle: { color: theme.colourOf(line.key), ...theme.strokeOf(line.key) },
       itemStyle: { color: theme.colourOf(line.key) },
     })),
   };

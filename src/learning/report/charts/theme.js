@@ -1,30 +1,26 @@
 // SPDX-License-Identifier: MIT
-// Colours come from the style sheet, so light, dark and print have one place.
+// Colours come from the style sheets, so light, dark and print have one place.
+import { lineOf } from '../../../line_styles.js';
 
-/** Dashes and widths tell the estimators apart where colours do not. */
-const strokes = {
-  'cnn-thermal': { type: 'solid', width: 1.8 },
-  'cnn-fusion': { type: 'solid', width: 1.8 },
-  'cnn-fusion-kalman': { type: [20, 5], width: 1.8 },
-  odometer: { type: [12, 3, 2, 3, 2, 3], width: 1.8 },
-  'thermal-likelihood': { type: [5, 2], width: 1.8 },
-  gyro: { type: [7, 4], width: 3 },
-  'gyro-rest': { type: [2, 3], width: 2 },
-  'gyro-kalman': { type: [8, 3, 2, 3], width: 2 },
-};
-
-export function themeNow() {
-  const style = getComputedStyle(document.documentElement);
-  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+/** `colour(name)`: a colour of the style sheet, by its name. */
+export function themeOf(colour, font) {
   return {
     paper: colour('paper'),
     ink: colour('ink'),
     quiet: colour('quiet'),
     line: colour('line'),
-    font: getComputedStyle(document.body).fontFamily,
-    colourOf: (key) => colour(key) || colour('quiet'),
-    strokeOf: (key) => strokes[key] ?? { type: 'solid', width: 1.5 },
+    font,
+    colourOf: (key) => colour(lineOf(key).colour),
+    strokeOf: (key) => {
+      const { dash, width } = lineOf(key);
+      return { type: dash.length === 0 ? 'solid' : dash, width };
+    },
   };
+}
+
+export function themeNow() {
+  const style = getComputedStyle(document.documentElement);
+  return themeOf((name) => style.getPropertyValue(`--${name}`).trim(), getComputedStyle(document.body).fontFamily);
 }
 
 /** Text of a number on an axis or in a tooltip. */

@@ -21,4 +21,6 @@ const std::array<std::string_view, 4> page_parts{
      "report again.</p>\n<main>\n",
      "</main>\n<script type=\"application/json\" id=\"charts\">", "</script>\n</body>\n</html>\n"}};
 
+const std::string_view figure_script;
+
 }  // namespace thermorig::report
