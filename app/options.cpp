@@ -130,6 +130,7 @@ void add_setup(CLI::App& root, Words& words) {
       ->type_name("STEP");
   command.add_flag("--yes", setup.yes, "Answer each question with yes: the servo moves without being asked");
   command.add_flag("--flash", setup.flash, "Flash the servo's firmware (avrdude) where no servo answers");
+  add_json(command, record.json);
   add_folder(command, record.output, "Folder that holds the recordings");
   add_seed(
       command, [&record](std::uint64_t seed) { record.rig.simulated_seed = seed; },

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that thermorig needs and that are missing. Never removes one.
-# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch] [package]   (the words add what the live
+# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch] [package] [cross]   (the words add what the live
 # page and the charts of reports, tests, sanitizer runs, benchmarks, browser tests, tests on the kernel's usb-serial driver,
-# the data set for PyTorch, and packages and their trial need)
+# the data set for PyTorch, packages and their trial, and packages for arm64 need)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
@@ -15,7 +15,7 @@ add_node() { command -v npm >/dev/null || packages+=(nodejs npm); }
 for part in "$@"; do
   case "$part" in
     page) add_node ;;
-    tests) add_node; packages+=(libgtest-dev libgmock-dev librsvg2-bin hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib python3-onnx
+    tests) add_node; packages+=(libgtest-dev libgmock-dev avrdude librsvg2-bin hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib python3-onnx
       python3-pandas python3-venv python3-pip python3-setuptools python3-wheel) ;;
     deep) packages+=(clang-14 lld-14 libclang-rt-14-dev clang-format-14 clang-tidy-14 llvm-14 python3 valgrind g++-aarch64-linux-gnu qemu-user
       gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm slurmctld slurmd slurm-client munge) ;;
@@ -23,8 +23,9 @@ for part in "$@"; do
     browser) packages+=(chromium) ;;
     torch) packages+=(python3-torch python3-numpy) ;;
     usb) packages+=(qemu-system-x86 busybox-static cpio python3) ;;
-    package) add_node; packages+=(dpkg-dev lintian mandoc mmdebstrap zsh fish) ;;
-    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, torch, package" >&2; exit 2 ;;
+    package) add_node; packages+=(dpkg-dev lintian mandoc mmdebstrap xxd zsh fish) ;;
+    cross) packages+=(g++-aarch64-linux-gnu qemu-user) ;;
+    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, torch, package, cross" >&2; exit 2 ;;
   esac
 done
 

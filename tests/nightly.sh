@@ -17,6 +17,7 @@ bash tests/run.sh
 bash tests/deep.sh "${1:-60}"
 source tests/parts.sh
 part "packages on a clean Debian" env THERMORIG_BUILD=build THERMORIG_PRESET=developer bash tests/package_test.sh
+part "packages for arm64 in an emulator" env THERMORIG_BUILD=build bash tests/package_test.sh --arch arm64
 write_last_pass "$commit" "$(date -u +%Y-%m-%d)"
 echo "everything passed at $commit; commit tests/last_passes.txt and docs/reliability.md. How long each part took:"
 cat "$THERMORIG_PARTS"

@@ -15,7 +15,10 @@ $changes"
 version=$(sed -nE 's/^project\(thermorig VERSION ([0-9.]+) .*/\1/p' CMakeLists.txt)
 citation=$(sed -n 's/^version: //p' CITATION.cff)
 released=$(sed -n 's/^date-released: *//p' CITATION.cff | tr -d '"')
-heading=$(sed -n 's/^## //p' docs/CHANGELOG.md | head -1) # "0.1.0 (2026-12-01)"
+for file in app/python/pyproject.toml app/python/thermorig/__init__.py; do
+  grep -qF "\"$version\"" "$file" || wrong "$file does not have version $version"
+done
+heading=$(sed -n 's/^## //p' docs/CHANGELOG.md | head -1) # "0.2.0 (2026-11-30)"
 [ -n "$version" ] || wrong "CMakeLists.txt has no version"
 [ "$citation" = "$version" ] || wrong "CITATION.cff has version $citation, CMakeLists.txt $version"
 [ "${heading%% *}" = "$version" ] || wrong "the change log begins with $heading, CMakeLists.txt has version $version"
@@ -44,5 +47,17 @@ if [ -z "$made" ]; then
 elif ! git diff --quiet "$made" -- src include app; then
   wrong "the program has changed since the figures were made: bash tests/bench/figures.sh"
 fi
+commit=$(git rev-parse --short=12 HEAD)
+for arch in amd64 arm64; do
+  for name in thermorig thermorig-avr; do
+    package=build-package/packages/${name}_${version}_$arch.deb
+    make="THERMORIG_MAINTAINER='Name <address>' bash app/package.sh --arch $arch"
+    [ -e "$package" ] || { wrong "there is no $package: $make"; continue; }
+    maintainer=$(dpkg-deb --field "$package" Maintainer)
+    [[ $maintainer != *@example.org* ]] || wrong "nobody answers for $package, its maintainer is $maintainer: $make"
+    [ $name = thermorig-avr ] || dpkg-deb --fsys-tarfile "$package" | tar -xO ./usr/bin/thermorig | grep -aF "$commit" >/dev/null ||
+      wrong "$package is of another commit: $make"
+  done
+done
 [ $failed = 0 ] || exit 1
 echo "version $version is fit to be tagged, as far as a script can tell"

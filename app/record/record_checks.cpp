@@ -16,6 +16,7 @@
 #include "thermorig/io/port.h"
 #include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/rig/sweep/plan.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
 
 namespace thermorig::app {
@@ -37,15 +38,25 @@ Check check_link(Device device, const RigProfile& profile) {
                              count_text(baud), 100 * budget.load);
   if (budget.fits()) return check;
   check.code = ExitCode::bad_usage;
-  check.advice = "a higher baud rate, on the device and in the rig profile";
+  const auto faster = timing::usual_baud_for(load.message_bytes, load.rate_hz);
+  if (faster) check.advice = fmt::format("{} baud, on the device and in the rig profile", *faster);
   if (const double most_hz = std::floor(budget.max_rate_hz * 10.0) / 10.0; most_hz > 0.0)
-    check.advice += fmt::format(", or at most {:.1f} /s", most_hz);
+    check.advice += fmt::format("{}at most {:.1f} /s", faster ? ", or " : "", most_hz);
   return check;
 }
 
 /// What its rates are not, where that is known of the kind of gyro.
 Check check_rates(const std::string& remark) {
   return {.name = "gyro rates", .result = remark, .warning = true};
+}
+
+/// What its frames do not tell, until it has been measured.
+Check check_exposure(const CameraProfile& camera) {
+  return {.name = "camera exposure",
+          .result = fmt::format("half-frames are merged: their exposure is known to {:.0f} ms",
+                                1e3 * latency_uncertainty_s(camera)),
+          .advice = "thermorig calibrate latency",
+          .warning = true};
 }
 
 Check check_port(Device device, const RigProfile& profile) {
@@ -207,6 +218,9 @@ std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& 
     if (rig.profile.has(device)) checks.push_back(check_link(device, rig.profile));
   if (const std::string remark = sensors::remark_on_rates(rig.profile.gyro); !remark.empty())
     checks.push_back(check_rates(remark));
+  const CameraProfile& camera = rig.profile.camera;
+  if (!sensors::camera_protocol(camera.protocol).remark.empty() && camera.link.latency_measured_utc.empty())
+    checks.push_back(check_exposure(camera));
   if (!rig.simulated)
     for (Device device : all_devices)
       if (rig.profile.has(device)) checks.push_back(check_port(device, rig.profile));

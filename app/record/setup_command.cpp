@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
 
-#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "calibrate_check.h"
 #include "chosen_rig.h"
@@ -21,6 +21,7 @@
 #include "thermorig/io/port.h"
 #include "thermorig/rig/profile/profile_file.h"
 #include "thermorig/rig/recording/port_recording.h"
+#include "thermorig/rig/setup/flash.h"
 #include "thermorig/rig/setup/setup.h"
 #include "thermorig/simulation/simulated_ports/simulated_ports.h"
 
@@ -32,11 +33,32 @@ using rig::SetupStep;
 
 constexpr double shown_s = 3.0;
 
+/// " --simulated=4 ...", as it was typed; nothing of a real rig.
+std::string simulated_words(const RigOptions& options) {
+  if (!options.simulated_seed) return "";
+  std::string words = fmt::format(" --simulated={}", *options.simulated_seed);
+  const SimulatedParts& parts = options.parts;
+  const std::pair<const char*, const std::optional<std::string>&> named[] = {
+      {"--simulated-servo", parts.servo}, {"--simulated-camera", parts.camera},
+      {"--simulated-gyro", parts.gyro},   {"--simulated-gyro-protocol", parts.gyro_protocol},
+      {"--scene", parts.scene},           {"--world", parts.world}};
+  for (const auto& [name, value] : named)
+    if (value) words += fmt::format(" {} {}", name, shell_word(*value));
+  return words;
+}
+
 /// The ports of this computer and the person at its terminal.
 class TerminalSetup : public rig::SetupWorld {
  public:
   TerminalSetup(const SetupOptions& options, std::vector<std::string> ports)
       : options_(options), ports_(std::move(ports)) {}
+
+  void begin(SetupStep step) override {
+    const auto index = static_cast<std::size_t>(step);
+    const std::string_view name = rig::setup_step_names[index];
+    if (options_.record.json) return print_json({{"event", "step"}, {"step", name}});
+    say(fmt::format("\n{} of {}: {}\n", index + 1, rig::setup_step_names.size(), name));
+  }
 
   std::vector<rig::PortFinding> listen() override {
     std::vector<std::string> there;
@@ -46,7 +68,7 @@ class TerminalSetup : public rig::SetupWorld {
         there.empty() && !ports_.empty() ? std::vector<io::PortInfo>() : ports_to_hear(there);
     if (ports.empty())
       throw Error(ExitCode::device_missing, "this machine has no serial port", "",
-                  "plug the devices in; without hardware: thermorig setup --simulated");
+                  "plug the devices in; without hardware: thermorig setup --simulated=4");
     say(fmt::format("listening to {} port{} for up to 6 s ...\n", ports.size(),
                     ports.size() == 1 ? "" : "s"));
     return rig::identify_devices(ports);
@@ -76,10 +98,11 @@ class TerminalSetup : public rig::SetupWorld {
     if (is_stopped) throw Error(ExitCode::interrupted, "stopped", "setup", "");
     if (result.exit != ExitCode::interrupted)
       throw Error(result.exit, result.message, "setup", result.advice);
+    lines.resize(std::min<std::size_t>(lines.size(), device_count));
+    if (options_.record.json) return print_json({{"event", "devices"}, {"lines", lines}});
     if (frame && escapes_allowed(stdout))
       print("{}", half_blocks(frame->frame, profile.camera.mirrored, terminal_colours()));
-    for (std::size_t i = 0; i < std::min<std::size_t>(lines.size(), device_count); ++i)
-      print("{}\n", lines[i]);
+    for (const std::string& line : lines) print("{}\n", line);
     flush_output();
   }
 
@@ -97,12 +120,11 @@ class TerminalSetup : public rig::SetupWorld {
     return session::read_session(result.session);
   }
 
-  void say(const std::string& text) override {
-    print("{}", text);
-    flush_output();
-  }
+  void say(const std::string& text) override { tell(text); }
 
   void confirm(const std::string& question) override {
+    if (options_.record.json)
+      return print_json({{"event", "question"}, {"text", question}, {"answer", "yes"}});
     if (options_.yes) return say(question + " (--yes)\n");
     say(question + " [Enter: yes, n: no] ");
     if (const std::string answer = answered();
@@ -126,16 +148,34 @@ class TerminalSetup : public rig::SetupWorld {
       throw Error(ExitCode::failed,
                   "the firmware's image, servo_firmware.hex, did not come with this program", "setup",
                   "build it: firmware_servo/README.md; then setup without --flash");
-    for (const std::string& command : rig::flash_commands(shell_word(port), shell_word(firmware_image()))) {
-      say(command + "\n");
-      if (std::system(command.c_str()) == 0) return true;
-    }
-    throw Error(ExitCode::failed, "avrdude could not flash the board, with neither boot loader", port,
-                "is it an Uno or a Nano (ATmega328P), and is avrdude installed? apt-get install avrdude");
+    rig::flash_firmware(
+        {.port = port, .image = firmware_image(), .say = [this](const std::string& line) { say(line); }});
+    say("flashed\n");
+    return true;
   }
 
   std::string firmware_image() const override {
     return servo_firmware_image().value_or("servo_firmware.hex").string();
+  }
+
+  /// A simulated rig has other ports each time, so that it is always set up from its first step.
+  std::string command_again(std::optional<SetupStep> from) const override {
+    std::string command = "thermorig setup" + simulated_words(options_.record.rig);
+    if (!options_.record.rig.simulated_seed) {
+      for (const std::string& port : options_.ports) command += " " + shell_word(port);
+      if (from) command += fmt::format(" --from {}", rig::setup_step_names[static_cast<std::size_t>(*from)]);
+    }
+    return command + " --save " + shell_word(options_.save);
+  }
+
+  /// One thing to know: lines for people, or an object.
+  void tell(const std::string& text) const {
+    if (options_.record.json) {
+      const std::size_t end = text.find_last_not_of('\n');
+      return print_json({{"event", "message"}, {"text", text.substr(0, end + 1)}});
+    }
+    print("{}", text);
+    flush_output();
   }
 
  private:
@@ -165,41 +205,53 @@ void check_words(const SetupOptions& options, SetupStep from) {
     throw Error(ExitCode::bad_usage, "--simulated and ports exclude each other", "", "one of the two");
   if (from != SetupStep::ports && options.record.rig.simulated_seed)
     throw Error(ExitCode::bad_usage, "a simulated rig has other ports each time", "", "leave --from out");
+  if (options.record.json && !options.yes)
+    throw Error(ExitCode::bad_usage, "with --json setup asks nothing", "",
+                "--yes answers each question with yes; the servo then moves without being asked");
   if (options.yes || (isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0)) return;
   throw Error(ExitCode::bad_usage, "setup asks questions, and there is no terminal to answer on", "",
               "--yes answers each with yes; the servo then moves without being asked");
 }
 
 /// Which step made what the verdict complains of.
-std::string repeat_advice(const session::Quality& quality) {
+SetupStep step_to_repeat(const session::Quality& quality) {
   const auto mentions = [&](const char* word) {
     return std::any_of(quality.verdict_reasons.begin(), quality.verdict_reasons.end(),
                        [&](const std::string& reason) { return reason.find(word) != std::string::npos; });
   };
-  if (mentions("messages were lost") || mentions("sent nothing")) return "thermorig setup --from ports";
-  if (mentions("shaft") || mentions("disagree")) return "thermorig setup --from servo";
-  return "thermorig setup --from turns";
+  if (mentions("messages were lost") || mentions("sent nothing")) return SetupStep::ports;
+  if (mentions("shaft") || mentions("disagree")) return SetupStep::servo;
+  return SetupStep::turns;
 }
 
 /// The checks, and a session whose verdict says whether all of it is right.
-ExitCode prove(const SetupOptions& options, const RigProfile& profile, const std::string& saved) {
-  print("\n5 of 5: session\n");
+ExitCode prove(const SetupOptions& options, const RigProfile& profile, TerminalSetup& world) {
+  world.begin(SetupStep::session);
   DoctorOptions doctor{options.record};
   doctor.record.plan = "quick";
   doctor.record.rig = RigOptions();
-  doctor.record.rig.profile = saved;
-  if (const ExitCode exit = run(doctor); exit != ExitCode::ok) return exit;
+  doctor.record.rig.profile = options.save;
+  if (const ExitCode exit = run(doctor); exit != ExitCode::ok) {
+    world.tell("the profile is written; when that is mended  " + world.command_again(SetupStep::session) +
+               "\n");
+    return exit;
+  }
   RecordOptions record = doctor.record;
   const ChosenRig rig{profile, std::nullopt};
   const RecordSummary summary =
       record_session(record, rig, rig::load_plan("quick", record.environment, 1, {}));
-  print_summary(summary, false);
+  print_summary(summary, record.json);
   require_told(summary);
   const session::Quality& quality = summary.result.quality;
-  if (summary.result.exit == ExitCode::ok && quality.verdict == "good")
-    print("the rig is ready  thermorig record --environment kitchen --rig {}\n", printable(saved));
+  const std::string simulated = simulated_words(options.record.rig);
+  if (summary.result.exit == ExitCode::interrupted)
+    world.tell("stopped: the profile is written, the session has no verdict  " +
+               world.command_again(SetupStep::session) + "\n");
+  else if (summary.result.exit == ExitCode::ok && quality.verdict == "good")
+    world.tell("the rig is ready  thermorig record --environment kitchen" +
+               (simulated.empty() ? " --rig " + shell_word(options.save) : simulated) + "\n");
   else
-    print("not yet good  {} --save {}\n", repeat_advice(quality), printable(saved));
+    world.tell("not yet good  " + world.command_again(step_to_repeat(quality)) + "\n");
   return summary.result.exit;
 }
 
@@ -219,11 +271,11 @@ ExitCode run(const SetupOptions& options) {
                                          FirmwareChoice::avr_image);
     for (const Device device : all_devices) ports.push_back(simulated->paths()[device]);
     simulated->start();
-    print("SIMULATED rig, seed {}\n", *options.record.rig.simulated_seed);
   }
   TerminalSetup world(options, ports);
+  if (simulated) world.tell(fmt::format("SIMULATED rig, seed {}\n", *options.record.rig.simulated_seed));
   const RigProfile profile = rig::set_up(path, from, world);
-  return prove(options, profile, options.save);
+  return prove(options, profile, world);
 }
 
 }  // namespace thermorig::app

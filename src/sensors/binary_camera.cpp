@@ -199,7 +199,8 @@ CameraProtocol binary_camera() {
           .clock = {},
           .message_bytes = longest_frame,
           .scanner = binary_camera_scanner,
-          .recognise = recognise_binary_camera};
+          .recognise = recognise_binary_camera,
+          .remark = merged_halves};
 }
 
 }  // namespace thermorig::sensors

@@ -304,7 +304,8 @@ CameraProtocol text_camera() {
           .clock = {},
           .message_bytes = usual_frame_bytes,
           .scanner = text_camera_scanner,
-          .recognise = recognise_text_camera};
+          .recognise = recognise_text_camera,
+          .remark = merged_halves};
 }
 
 }  // namespace thermorig::sensors

@@ -21,6 +21,7 @@ TEST_F(SetupCommand, MovesNothingWhereNobodyCanAnswer) {
 }
 
 TEST_F(SetupCommand, RefusesStepsThatItCannotBeginWith) {
+  EXPECT_THAT(run("setup --json /dev/null").err, HasSubstr("--yes"));
   EXPECT_THAT(run("setup --yes --from turn /dev/null").err, HasSubstr("turns"));
   const Outcome missing = run("setup --yes --from turns --save ./rig.toml /dev/null");
   EXPECT_EQ(missing.code, 2) << missing.err;

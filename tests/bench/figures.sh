@@ -12,12 +12,12 @@ cd "$(dirname "$0")/../.."
 # NAME | DOCUMENT | COMMAND. The script's first word may be run alone; its options are those of this table.
 list() {
   cat <<'LIST'
-thermal_likelihood  | docs/estimators.md               | tests/bench/thermal_likelihood.sh --first-seed 9001 --json
+thermal_likelihood  | docs/evidence/network_figures.md | tests/bench/thermal_likelihood.sh --first-seed 9001 --json
 export_sizes        | docs/export.md                   | tests/bench/export_sizes.sh
 hard_typical        | docs/evidence/hard_table.md      | tests/bench/hard_table.sh --only typical --first-seed 10001
 hard_honest         | docs/evidence/hard_table.md      | tests/bench/hard_table.sh --only honest --honest-seeds 60 --first-seed 10101
-live_latency        | docs/live.md                     | tests/bench/live_latency.sh --json
-live_process        | docs/live.md                     | tests/bench/live_process.sh --json
+live_latency        | docs/evidence/speed.md           | tests/bench/live_latency.sh --json
+live_process        | docs/evidence/speed.md           | tests/bench/live_process.sh --json
 models              | docs/models/README.md            | tests/bench/models.sh --json
 network_speeds      | docs/evidence/network_figures.md | tests/bench/network_peers.sh --json
 network_differences | docs/evidence/network_figures.md | tests/bench/network_peers.sh --json
@@ -30,7 +30,7 @@ fault_table         | docs/evidence/reliability.md     | tests/bench/fault_table
 sync_cost           | docs/evidence/reliability.md     | tests/bench/sync_cost.sh --json
 record_peers        | docs/evidence/speed.md           | tests/bench/record_peers.sh
 timing              | docs/evidence/timing_table.md    | tests/bench/timing_table.sh
-label_choice        | docs/training.md                 | tests/bench/label_choice.sh
+label_choice        | docs/evidence/hard_table.md      | tests/bench/label_choice.sh
 LIST
 }
 

@@ -245,6 +245,24 @@ TEST(PlanCheck, ShowsTheSumWhenTheLinkIsTooSlow) {
       << "no rate is slow enough";
 }
 
+/// 768 numbers take half a second at the rate that sketches print at.
+TEST(PlanCheck, NamesTheSlowestUsualRateThatCarriesACamerasText) {
+  CameraProfile camera;
+  camera.protocol = "text";
+  camera.link.baud = 115200;
+  const auto text_of = [&] {
+    return refusal([&] { check_plan(load_plan("quick", "kitchen", 1), ServoProfile{}, camera); });
+  };
+  EXPECT_THAT(text_of(),
+              HasSubstr("460800 baud (set it on the camera and in the rig profile), or at most 2.1"));
+  camera.link.baud = 1'000'000;
+  EXPECT_EQ(text_of(), "nothing was refused");
+  camera.output_rate_hz = 32.0;
+  EXPECT_THAT(text_of(), HasSubstr("2000000 baud"));
+  camera.output_rate_hz = 64.0;
+  EXPECT_THAT(text_of(), testing::Not(HasSubstr("baud (set it")));
+}
+
 TEST(PlanCheck, RefusesLegsThatLeaveNoValidFrame) {
   SweepPlan plan = load_plan("quick", "kitchen", 1);
   plan.frames_per_leg = 3;

@@ -52,6 +52,12 @@ TEST(LinkBudget, RefusesEightFramesASecondAt115200) {
   EXPECT_TRUE(link_budget(1544, 8.0, 460800).fits());
 }
 
+TEST(LinkBudget, NamesTheSlowestUsualRateThatCarriesIt) {
+  EXPECT_EQ(usual_baud_for(1544, 8.0), 230400U);
+  EXPECT_EQ(usual_baud_for(1544, 64.0), 1000000U);
+  EXPECT_FALSE(usual_baud_for(1544, 640.0));
+}
+
 TEST(LinkBudget, IsUnlimitedWithoutABaudRate) {
   const LinkBudget usb = link_budget(1544, 8.0, 0);
   EXPECT_TRUE(usb.fits());

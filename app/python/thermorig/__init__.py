@@ -16,4 +16,4 @@ __all__ = [
     "BadSession", "Estimate", "NotASession", "Scaling", "Session", "Windows", "find_sessions", "open_sessions",
     "scaling_of", "windows",
 ]
-__version__ = "0.1.0"
+__version__ = "0.2.0"

@@ -25,6 +25,10 @@ using CameraScanner = Scanner<wire::CameraMessage>;
 /// number that does is no temperature.
 inline constexpr float coldest_pixel_c = -100.0F, hottest_pixel_c = 500.0F;
 
+/// A remark of CameraProtocol.
+inline constexpr std::string_view merged_halves =
+    "its sketch merges both half-frames, and when each was exposed is unknown by a refresh";
+
 /// What to try where a sketch's values cannot be degrees Celsius of a room: Kelvin, or shares of a range.
 std::string advice_on_unit(const ThermalFrame& frame);
 
@@ -47,6 +51,8 @@ struct CameraProtocol {
   /// One that sends each frame only when it is asked: what asks for one more, told with each that came. None:
   /// it sends a stream.
   std::vector<std::uint8_t> (*next)(const CameraProfile& profile) = nullptr;
+  /// Why it is not known when a frame was exposed; empty: it is. latency_uncertainty_s() allows for it.
+  std::string_view remark = {};
 };
 
 /// The table. The first one is what a profile has that names none.

@@ -29,6 +29,12 @@ LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uin
   return {.load = rate_hz * message_s, .max_rate_hz = 1.0 / message_s};
 }
 
+std::optional<std::uint32_t> usual_baud_for(std::uint64_t bytes_per_message, double rate_hz) {
+  for (const std::uint32_t baud : {9600U, 57600U, 115200U, 230400U, 460800U, 921600U, 1000000U, 2000000U})
+    if (link_budget(bytes_per_message, rate_hz, baud).fits()) return baud;
+  return std::nullopt;
+}
+
 LinkTiming::LinkTiming(const PortProfile& link, double nominal_rate_hz)
     : link_(link),
       nominal_rate_hz_(nominal_rate_hz),

@@ -14,7 +14,10 @@
 #include "thermorig/rig/calibration/calibration.h"
 #include "thermorig/rig/profile/profile_file.h"
 #include "thermorig/rig/recording/finalise.h"
+#include "thermorig/rig/setup/flash.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/sensors/hand_turn.h"
 
 namespace thermorig::rig {
@@ -30,11 +33,11 @@ constexpr double usual_travel = 0.04;  // as near to a usual one it is that
 constexpr std::array usual_travels_deg{90.0, 180.0, 270.0, 360.0, 720.0, 1080.0, 1260.0, 1800.0, 2160.0};
 
 /// The same error, with how to go on: from that step, if there is a profile that knows what comes before.
-Error to_repeat(const Error& error, SetupStep step, const std::filesystem::path& path) {
+Error to_repeat(const Error& error, SetupStep step, const std::filesystem::path& path,
+                const SetupWorld& world) {
   if (error.code() == ExitCode::interrupted) return error;
-  std::string again = "thermorig setup --save " + shell_word(path.string());
-  if (std::filesystem::exists(path))
-    again += fmt::format(" --from {}", setup_step_names[static_cast<std::size_t>(step)]);
+  const std::string again =
+      world.command_again(std::filesystem::exists(path) ? std::optional(step) : std::nullopt);
   return {error.code(), error.what_happened(), error.where(),
           error.advice() + (error.advice().empty() ? "" : "; then ") + again};
 }
@@ -111,6 +114,17 @@ void take_gyro_on_trial(const PortFinding& finding, SetupState& state) {
   if (finding.baud != 0) gyro.link.baud = finding.baud;
   if (finding.rate_hz >= 1.0) gyro.output_rate_hz = std::round(finding.rate_hz * 10.0) / 10.0;
   state.knows_gyro_unit = finding.text_format->scale_known;
+}
+
+/// What the devices that were found cannot do: few decimals, a frame of two half-frames.
+void tell_remarks(const PortFinding& gyro, const RigProfile& profile, SetupWorld& world) {
+  if (const std::string remark = sensors::remark_on_rates(profile.gyro); !remark.empty())
+    world.say(fmt::format("gyro: {}\n", remark));
+  else if (gyro.text_format)
+    for (const std::string& sentence : gyro.text_format->remarks)
+      world.say(fmt::format("gyro: {}\n", printable(sentence)));
+  if (const auto remark = sensors::camera_protocol(profile.camera.protocol).remark; !remark.empty())
+    world.say(fmt::format("camera: {}\n", remark));
 }
 
 // ---- measurements -----------------------------------------------------------------------------------------
@@ -215,7 +229,9 @@ SetupState set_up_ports(SetupState state, SetupWorld& world) {
     require_others(findings);
     std::vector<std::string> ambiguous;
     state.profile = apply_findings(std::move(state.profile), findings, ambiguous);
-    take_gyro_on_trial(*of_role(findings, Device::gyro).front(), state);
+    const PortFinding& gyro = *of_role(findings, Device::gyro).front();
+    take_gyro_on_trial(gyro, state);
+    tell_remarks(gyro, state.profile, world);
     return state;
   }
   throw Error(ExitCode::device_missing, "the rig's ports are still not clear", "",
@@ -316,11 +332,11 @@ RigProfile set_up(const std::filesystem::path& path, SetupStep from, SetupWorld&
   SetupState state = state_before(path, from);
   if (from == SetupStep::session) return state.profile;
   for (auto step = static_cast<std::size_t>(from); step < steps.size(); ++step) {
-    world.say(fmt::format("\n{} of {}: {}\n", step + 1, setup_step_names.size(), setup_step_names[step]));
     try {
+      world.begin(static_cast<SetupStep>(step));
       state = steps[step](std::move(state), world);
     } catch (const Error& error) {
-      throw to_repeat(error, static_cast<SetupStep>(step), path);
+      throw to_repeat(error, static_cast<SetupStep>(step), path, world);
     }
   }
   write_profile(path, state.profile);
@@ -334,14 +350,6 @@ SetupStep setup_step_named(const std::string& name) {
   const std::vector<std::string> names(setup_step_names.begin(), setup_step_names.end());
   throw Error(ExitCode::bad_usage, "there is no step \"" + name + "\"", "--from",
               advice_on_name(name, names));
-}
-
-std::vector<std::string> flash_commands(const std::string& port, const std::string& image) {
-  std::vector<std::string> commands;
-  for (const char* baud : {"115200", "57600"})
-    commands.push_back(
-        fmt::format("avrdude -p atmega328p -c arduino -P {} -b {} -U flash:w:{}:i", port, baud, image));
-  return commands;
 }
 
 SweepPlan setup_moves_plan(const ServoProfile& servo, const CameraProfile& camera, double rate_dps) {

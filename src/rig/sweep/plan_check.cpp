@@ -114,13 +114,16 @@ void check_camera_link(const SweepPlan& plan, const CameraProfile& camera) {
   if (budget.fits()) return;
   const double most_hz = std::floor(budget.max_rate_hz * 10.0) / 10.0;
   const double wire_ms = 1e3 * timing::wire_time_s(frame_bytes, camera.link.baud);
+  const auto baud = timing::usual_baud_for(frame_bytes, camera.output_rate_hz);
   refuse(
       plan,
       fmt::format(
           "the camera's link cannot carry {} frames/s: {} bytes x 10 bits / {} baud = {:.1f} ms > {:.1f} ms",
           camera.output_rate_hz, frame_bytes, camera.link.baud, wire_ms, 1e3 / camera.output_rate_hz),
-      "460800 baud (set it on the camera and in the rig profile)" +
-          (most_hz > 0.0 ? fmt::format(", or at most {:.1f} frames/s", most_hz) : ""));
+      fmt::format("{}{}{}",
+                  baud ? fmt::format("{} baud (set it on the camera and in the rig profile)", *baud) : "",
+                  baud && most_hz > 0.0 ? ", or " : "",
+                  most_hz > 0.0 ? fmt::format("at most {:.1f} frames/s", most_hz) : ""));
 }
 
 }  // namespace

@@ -34,6 +34,9 @@ struct LinkBudget {
 };
 LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uint32_t baud);
 
+/// The slowest of the usual baud rates, up to 2 Mbaud, whose link carries so much; none: no such one does.
+std::optional<std::uint32_t> usual_baud_for(std::uint64_t bytes_per_message, double rate_hz);
+
 /// What else is known of a message when it is stamped.
 struct StampHint {
   bool lost_before = false;        // bytes were lost before it: messages may have been among them

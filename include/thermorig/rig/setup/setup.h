@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,8 @@ inline constexpr std::array<std::string_view, 5> setup_step_names{"ports", "look
 class SetupWorld {
  public:
   virtual ~SetupWorld() = default;
+  /// A step begins.
+  virtual void begin(SetupStep step) = 0;
   /// Listens to every port that may be the rig's.
   virtual std::vector<PortFinding> listen() = 0;
   /// Shows for some seconds what each device sends. Nothing moves.
@@ -41,6 +44,8 @@ class SetupWorld {
   virtual bool flash(const std::string& port) = 0;
   /// The file to flash.
   virtual std::string firmware_image() const = 0;
+  /// What to type to do it again, from a step on if the profile is there that knows what comes before.
+  virtual std::string command_again(std::optional<SetupStep> from) const = 0;
 };
 
 /// What is known of a rig so far.
@@ -76,10 +81,6 @@ RigProfile set_up(const std::filesystem::path& path, SetupStep from, SetupWorld&
 
 /// The step by its name. Throws Error(bad_usage) with the names that there are.
 SetupStep setup_step_named(const std::string& name);
-
-/// The commands that flash the servo's firmware onto a board on that port: of an Uno or Nano, then of a Nano
-/// with the old boot loader. `image`: the firmware's file.
-std::vector<std::string> flash_commands(const std::string& port, const std::string& image);
 
 /// The moves of set_up_servo() at that speed, and the turns of set_up_turns(): about half a minute.
 SweepPlan setup_moves_plan(const ServoProfile& servo, const CameraProfile& camera, double rate_dps);
