@@ -39,7 +39,7 @@ using Bytes = std::vector<char>;
 using testing::HasSubstr;
 
 #if defined(THERMORIG_IS_SANITIZED)
-constexpr int usual_mutants = 400;
+constexpr int usual_mutants = 200;
 #else
 constexpr int usual_mutants = 40;
 #endif
