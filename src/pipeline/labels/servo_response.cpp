@@ -2,6 +2,7 @@
 #include "thermorig/pipeline/labels/servo_response.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -32,15 +33,6 @@ constexpr double shortest_frame_s = 1.0 / 64.0;  // the camera's fastest rate
 constexpr double longest_frame_s = 2.0;          // and its slowest
 constexpr double rest_from_knot_s = 17.0;        // half a stretch of the bias's course, and the way there
 
-/// Two measurements of one thing; where they contradict each other, neither is as good as it says.
-Estimate combined(const Estimate& a, const Estimate& b) {
-  const double weight_a = 1.0 / (a.uncertainty * a.uncertainty);
-  const double weight_b = 1.0 / (b.uncertainty * b.uncertainty);
-  const double value = (weight_a * a.value + weight_b * b.value) / (weight_a + weight_b);
-  const double apart = std::abs(a.value - b.value) / std::hypot(a.uncertainty, b.uncertainty);
-  return {value, std::max(1.0, apart) / std::sqrt(weight_a + weight_b)};
-}
-
 /// Shaft angle per commanded angle: what the profile says, and what the gyro says as far as its own scale is
 /// known. No weight depends on the ratio: a gyro that shows a fiftieth would be fifty times as certain.
 Estimate absolute_scale(const Estimate& ratio, const GyroErrors& errors, const ServoProfile& profile,
@@ -49,7 +41,7 @@ Estimate absolute_scale(const Estimate& ratio, const GyroErrors& errors, const S
   const Estimate by_gyro{ratio.value, std::hypot(ratio.uncertainty, profile.scale * gyro_share, 1e-6)};
   if (outlier == Witness::command) return by_gyro;
   const Estimate by_profile{profile.scale, std::max(profile.scale_uncertainty, 1e-6)};
-  return combined(by_gyro, by_profile);
+  return weighted_mean(std::array{by_gyro, by_profile});
 }
 
 /// Who says how fast the shaft turns is not known: so is its scale.
