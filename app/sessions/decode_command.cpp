@@ -160,7 +160,7 @@ struct Learnt {
 };
 
 void learn(const wire::GyroMessage& message, Learnt& learnt) {
-  learnt.zeros.add(message.reading.rate_dps);
+  learnt.zeros.add(message.reading);
 }
 template <typename Message>
 void learn(const Message&, Learnt&) {}

@@ -12,14 +12,14 @@ namespace {
 constexpr float coarsest_dps = 0.07F;
 }  // namespace
 
-void AutoZero::add(const std::array<float, 3>& rate_dps) {
+void AutoZero::add(const GyroReading& reading) {
+  const std::array<float, 3>& rate_dps = reading.rate_dps;
   for (std::size_t axis = 0; axis < rate_dps.size(); ++axis) {
     const float step_dps = std::abs(rate_dps[axis] - last_dps_[axis]);
     if (step_dps > 0.0F) resolution_dps_ = std::min(resolution_dps_, step_dps);
   }
   last_dps_ = rate_dps;
-  const bool is_zero = std::all_of(rate_dps.begin(), rate_dps.end(), [](float rate) { return rate == 0.0F; });
-  zeros_ = is_zero ? zeros_ + 1 : 0;
+  zeros_ = reading.is_zero() ? zeros_ + 1 : 0;
   longest_ = std::max(longest_, zeros_);
 }
 

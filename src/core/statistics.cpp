@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include "thermorig/core/estimate.h"
+
 namespace thermorig {
 
 double median(std::vector<double> values) {
@@ -13,6 +15,18 @@ double robust_deviation(std::vector<double> values, double centre) {
   constexpr double of_normal = 1.4826;
   for (double& value : values) value = std::abs(value - centre);
   return of_normal * reordering_median(values);
+}
+
+Estimate weighted_mean(std::span<const Estimate> estimates) {
+  double certainty = 0.0, sum = 0.0, chi_square = 0.0;
+  for (const Estimate& one : estimates) {
+    certainty += 1.0 / (one.uncertainty * one.uncertainty);
+    sum += one.value / (one.uncertainty * one.uncertainty);
+  }
+  const double mean = sum / certainty;
+  for (const Estimate& one : estimates) chi_square += std::pow((one.value - mean) / one.uncertainty, 2);
+  const double freedom = std::max(1.0, static_cast<double>(estimates.size()) - 1.0);
+  return {mean, std::sqrt(std::max(1.0, chi_square / freedom) / certainty)};
 }
 
 double quantile(std::span<const double> sorted, double share) {

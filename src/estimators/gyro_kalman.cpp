@@ -214,7 +214,7 @@ class GyroKalmanEstimator : public Estimator {
     }
     if (!history_.has_begun())
       filter_.begin(read_dps);
-    else if (is_zero(sample.reading))
+    else if (sample.reading.is_zero())
       filter_.stand(to_s(time - history_.newest().time));
     else
       filter_.add(read_dps, to_s(time - history_.newest().time));

@@ -20,11 +20,6 @@ constexpr HostDuration settling = std::chrono::milliseconds(500);  // of shaft a
 
 }  // namespace
 
-bool is_zero(const GyroReading& reading) {
-  return std::all_of(reading.rate_dps.begin(), reading.rate_dps.end(),
-                     [](float rate_dps) { return rate_dps == 0.0F; });
-}
-
 bool has_settled(const Observation& observation, HostTime time) {
   return observation.still_since && time >= *observation.still_since + settling;
 }
@@ -45,7 +40,7 @@ std::optional<RestBlock> GyroRests::add(const TimedGyro& sample) {
   if (!begin_) begin_ = time;
   last_ = time;
   samples_.add(double{sample.rate_dps});
-  is_zero_ = is_zero_ && is_zero(sample.reading);
+  is_zero_ = is_zero_ && sample.reading.is_zero();
   return rest;
 }
 

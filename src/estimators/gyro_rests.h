@@ -23,9 +23,6 @@ struct RestBlock {
   double mean_variance() const { return noise_variance() / static_cast<double>(samples.count()); }
 };
 
-/// About all axes exactly: some gyros set themselves to zero at rest, which hides their bias.
-bool is_zero(const GyroReading& reading);
-
 /// Finds rests in what a gyro measures: a second in which it shows no more than noise and its mean does not
 /// move. A speed that is constant looks the same: who knows what the servo is told, or the bias, must say
 /// which it is.

@@ -67,10 +67,6 @@ std::uint64_t memory_bytes() {
   return std::min(pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)), group_limits());
 }
 
-std::string host_name() {
-  return system_names().nodename;
-}
-
 std::string kernel_release() {
   const utsname names = system_names();
   return std::string(names.sysname) + " " + names.release + " " + names.machine;

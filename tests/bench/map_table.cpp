@@ -49,7 +49,7 @@ void make_map(Room& room) {
     const double time_s = to_s(measurement.frame.exposure_end - begin);
     if (time_s > earlier_session_s) break;
     const odometer::Report report = odometer.add(measurement.frame, measurement.gyro);
-    if (report.state != odometer::State::tracking || time_s < 0.5 * earlier_session_s) continue;
+    if (report.state != EstimateState::good || time_s < 0.5 * earlier_session_s) continue;
     sum_deg += report.heading_deg - shaft_deg(room.recording, measurement.frame.exposure_end);
     count += 1.0;
   }
@@ -77,7 +77,7 @@ Later later_session(const Room& room, const MapPointer& map, double origin_deg, 
     for (TimedGyro& sample : gyro) sample.rate_dps += static_cast<float>(other_bias_dps);
     const odometer::Report report = odometer.add(measurement.frame, gyro);
     later.use = odometer.map_use();
-    if (later.use != odometer::MapUse::found || report.state != odometer::State::tracking) continue;
+    if (later.use != odometer::MapUse::found || report.state != EstimateState::good) continue;
     const double off_deg = report.heading_deg - shaft_deg(room.recording, measurement.frame.exposure_end);
     const double wrong_deg = std::abs(std::remainder(off_deg - origin_deg, 360.0));
     if (!later.tracked_after_s) later.first_deg = wrong_deg;

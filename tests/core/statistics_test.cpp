@@ -12,6 +12,7 @@
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/code_point.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/estimate.h"
 #include "thermorig/core/label.h"
 #include "thermorig/core/nearest_name.h"
 #include "thermorig/core/run_all.h"
@@ -191,6 +192,32 @@ TEST(AllCores, BeginNothingAfterAFailureWasSeen) {
   EXPECT_LT(begun, 1000U);
 }
 
+TEST(WeightedMean, CountsTheScatterWhereItIsMoreThanTheUncertaintiesSay) {
+  const Estimate agreeing = weighted_mean(std::array<Estimate, 2>{{{1.0, 0.1}, {1.1, 0.2}}});
+  EXPECT_NEAR(agreeing.value, 1.02, 1e-12);
+  EXPECT_NEAR(agreeing.uncertainty, 1.0 / std::sqrt(125.0), 1e-12);
+  const Estimate apart = weighted_mean(std::array<Estimate, 2>{{{0.0, 0.1}, {1.0, 0.1}}});
+  EXPECT_NEAR(apart.uncertainty, 0.5, 1e-12);
+}
+
+TEST(LineFit, FindsTheLineOfPointsFarFromZero) {
+  LineFit line;
+  for (int i = 0; i < 100; ++i) line.add(1e9 + 0.01 * i, 1e6 + 0.25 * i + (i % 2 == 0 ? 0.1 : -0.1), 2.0);
+  EXPECT_NEAR(line.slope(), 25.0, 0.01);
+  EXPECT_NEAR(line.at(1e9 + 0.5), 1e6 + 12.5, 0.01);
+  EXPECT_NEAR(line.residual_squares(), 2.0, 0.01);
+  EXPECT_NEAR(line.correlation(), 1.0, 1e-3);
+}
+
+TEST(LineFit, TellsNoSlopeOfPointsAboveOneAnother) {
+  LineFit line;
+  EXPECT_EQ(line.slope(), 0.0);
+  for (const double y : {1.0, 2.0, 6.0}) line.add(0.1, y);
+  EXPECT_EQ(line.slope(), 0.0);
+  EXPECT_EQ(line.correlation(), 0.0);
+  EXPECT_DOUBLE_EQ(line.at(5.0), 3.0);
+}
+
 constexpr float count_dps = 2000.0F / 32768.0F;  // WitMotion's
 
 /// Samples of a gyro at rest, in whole steps.
@@ -198,11 +225,11 @@ void add_rest(AutoZero& zeros, int samples, float bias_dps, float noise_dps, flo
   std::mt19937 random(seed);
   std::normal_distribution<float> noise(bias_dps, noise_dps);
   const auto read = [&] { return step_dps * std::round(noise(random) / step_dps); };
-  for (int i = 0; i < samples; ++i) zeros.add({read(), read(), read()});
+  for (int i = 0; i < samples; ++i) zeros.add({{read(), read(), read()}});
 }
 
 void add_zeros(AutoZero& zeros, std::size_t samples) {
-  for (std::size_t i = 0; i < samples; ++i) zeros.add({0.0F, -0.0F, 0.0F});
+  for (std::size_t i = 0; i < samples; ++i) zeros.add({{0.0F, -0.0F, 0.0F}});
 }
 
 TEST(AutoZero, IsSeenWhereAGyroGoesToZeroAndStaysThere) {

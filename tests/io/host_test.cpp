@@ -37,8 +37,7 @@ TEST(Host, CountsTheProcessorTimeOfTheThread) {
   EXPECT_GE(static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec), before_s + 0.01);
 }
 
-TEST(Host, HasANameAndAKernel) {
-  EXPECT_FALSE(host_name().empty());
+TEST(Host, HasAKernel) {
   EXPECT_EQ(kernel_release().substr(0, 6), "Linux ");
 }
 

@@ -69,7 +69,7 @@ std::vector<Told> told_of(const Room& room, Odometer& odometer) {
 }
 
 bool is_tracking(const Told& told) {
-  return told.report.state == State::tracking;
+  return told.report.state == EstimateState::good;
 }
 
 TEST(OdometerMap, ASecondSessionInTheSameRoomStartsWithAnAbsoluteHeading) {
@@ -79,8 +79,8 @@ TEST(OdometerMap, ASecondSessionInTheSameRoomStartsWithAnAbsoluteHeading) {
   ASSERT_NE(first, all.end());
   EXPECT_LT(first - all.begin(), 240) << "frames: 30 s";
   std::for_each(all.begin(), first, [](const Told& told) {
-    if (told.report.reason == Reason::none) {
-      EXPECT_EQ(told.report.state, State::relocalising);
+    if (told.report.reason == EstimateReason::none) {
+      EXPECT_EQ(told.report.state, EstimateState::relocalising);
     }
   });
   std::for_each(first, all.end(), [](const Told& told) {
@@ -137,9 +137,9 @@ TEST(OdometerMap, AMapOfAnotherRoomIsNotTrustedAndANewOneIsBegun) {
   const auto all = told_of(room, odometer);
   EXPECT_TRUE(
       std::none_of(all.begin(), all.end(), [](const Told& told) { return told.use == MapUse::found; }));
-  EXPECT_EQ(all[240].report.state, State::relocalising);
+  EXPECT_EQ(all[240].report.state, EstimateState::relocalising);
   EXPECT_EQ(all.back().use, MapUse::other);
-  EXPECT_EQ(all.back().report.state, State::tracking) << "in its own map";
+  EXPECT_EQ(all.back().report.state, EstimateState::good) << "in its own map";
 }
 
 /// Found in the map of another room the camera seems to turn as it does not.
@@ -152,7 +152,7 @@ TEST(OdometerMap, WhileAMapIsOnTrialItTeachesTheRateNothing) {
   int on_trial = 0;
   for (const Seen& seen : seen_in(room)) {
     const Report report = odometer.add(seen.frame, seen.gyro);
-    if (report.state != State::relocalising) continue;
+    if (report.state != EstimateState::relocalising) continue;
     ++on_trial;
     const double begin_s = to_s(seen.frame.exposure_begin - at_s(0.0));
     const double end_s = to_s(seen.frame.exposure_end - at_s(0.0));
@@ -176,7 +176,7 @@ TEST(OdometerMap, WhileItIsOnTrialAViewThatDiffersOnlyMeansAnotherPlace) {
   for (const Seen& seen : seen_in(room)) {
     const Report report = odometer.add(seen.frame, seen.gyro);
     if (odometer.map_use() != MapUse::searching) break;
-    EXPECT_EQ(report.state, State::relocalising);
+    EXPECT_EQ(report.state, EstimateState::relocalising);
   }
 }
 
@@ -211,7 +211,7 @@ TEST(OdometerMap, AtOneSpeedItWaitsForAnother) {
   Odometer odometer = begun_with(before().map);
   const auto all = told_of(room, odometer);
   constexpr std::size_t turns_back = 470;  // frames: 59 s
-  EXPECT_EQ(all[turns_back].report.state, State::relocalising);
+  EXPECT_EQ(all[turns_back].report.state, EstimateState::relocalising);
   EXPECT_EQ(all[turns_back].use, MapUse::searching) << "nor is it given up";
   EXPECT_EQ(all.back().use, MapUse::found);
   EXPECT_NEAR(all.back().off_deg, 0.0, 2.0);
@@ -222,7 +222,7 @@ TEST(OdometerMap, AtRestItWaitsForAnotherView) {
   room.duration_s = 70.0;
   room.angle_deg = [](double) { return 130.0; };
   Odometer odometer = begun_with(before().map);
-  EXPECT_EQ(told_of(room, odometer).back().report.state, State::relocalising);
+  EXPECT_EQ(told_of(room, odometer).back().report.state, EstimateState::relocalising);
   EXPECT_EQ(odometer.map_use(), MapUse::searching);
   EXPECT_FALSE(odometer.map()) << "what is in doubt is not kept";
 }

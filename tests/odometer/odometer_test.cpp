@@ -23,7 +23,7 @@ TEST(Odometer, LearnsTheGyroOnAServoThatTurnsHalfWayRoundOnly) {
   CameraProfile camera;
   camera.pitch_scale_uncertainty = 0.005;
   const auto reports = reports_of(seen_in(room), data_sheet_gyro(), camera);
-  ASSERT_EQ(reports[at(45.0)].state, State::tracking);
+  ASSERT_EQ(reports[at(45.0)].state, EstimateState::good);
   EXPECT_NEAR(reports.back().scale, room.scale, 0.005);
   const double origin_deg = off_deg(room, reports, 45.0);
   for (double time_s = 45.0; time_s < 59.0; time_s += 0.5)
@@ -33,7 +33,7 @@ TEST(Odometer, LearnsTheGyroOnAServoThatTurnsHalfWayRoundOnly) {
 TEST(Odometer, HoldsTheHeadingWhileTheGyroWalksAway) {
   const Room room = turning_room();
   const auto reports = reports_of(seen_in(room));
-  ASSERT_EQ(reports[at(40.0)].state, State::tracking);
+  ASSERT_EQ(reports[at(40.0)].state, EstimateState::good);
   const double origin_deg = off_deg(room, reports, 40.0);
   for (double time_s = 40.0; time_s < 69.0; time_s += 0.5) {  // the gyro alone: 4 deg/s
     EXPECT_NEAR(off_deg(room, reports, time_s), origin_deg, 0.5) << time_s;
@@ -118,11 +118,11 @@ TEST(Odometer, SaysThatTheGyroIsFrozenAndFindsTheHeadingAgainInTheMap) {
       sample.reading = frozen->reading;
     }
   const auto reports = reports_of(all);
-  ASSERT_EQ(reports[at(44.0)].state, State::tracking);
-  EXPECT_EQ(reports[at(46.0)].state, State::not_trusted);
-  EXPECT_EQ(reports[at(46.0)].reason, Reason::gyro_frozen);
-  EXPECT_EQ(reports[at(56.0)].state, State::relocalising);
-  EXPECT_EQ(reports[at(65.0)].state, State::tracking);
+  ASSERT_EQ(reports[at(44.0)].state, EstimateState::good);
+  EXPECT_EQ(reports[at(46.0)].state, EstimateState::not_trusted);
+  EXPECT_EQ(reports[at(46.0)].reason, EstimateReason::gyro_frozen);
+  EXPECT_EQ(reports[at(56.0)].state, EstimateState::relocalising);
+  EXPECT_EQ(reports[at(65.0)].state, EstimateState::good);
   const double before_deg = off_deg(room, reports, 44.0), after_deg = off_deg(room, reports, 65.0);
   EXPECT_NEAR(std::remainder(after_deg - before_deg, 360.0), 0.0, 0.7);
 }
@@ -139,9 +139,9 @@ TEST(Odometer, SaysThatTheLensIsCoveredAndDoesNotWriteThatIntoItsMap) {
     }
   }
   const auto reports = reports_of(all);
-  EXPECT_EQ(reports[at(47.0)].state, State::not_trusted);
-  EXPECT_EQ(reports[at(47.0)].reason, Reason::view_differs);
-  EXPECT_EQ(reports[at(57.0)].state, State::tracking);
+  EXPECT_EQ(reports[at(47.0)].state, EstimateState::not_trusted);
+  EXPECT_EQ(reports[at(47.0)].reason, EstimateReason::view_differs);
+  EXPECT_EQ(reports[at(57.0)].state, EstimateState::good);
   EXPECT_NEAR(off_deg(room, reports, 57.0), off_deg(room, reports, 44.0), 0.5);
 }
 
@@ -156,8 +156,8 @@ TEST(Odometer, LearnsALatencyAnewThatNobodyExpectsAndThatDoesNotFitAtAnotherSpee
     }
   }
   const auto reports = reports_of(all);
-  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
-  EXPECT_EQ(reports.back().state, State::tracking);
+  ASSERT_EQ(reports[at(69.0)].state, EstimateState::good);
+  EXPECT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(reports.back().latency_s - reports[at(69.0)].latency_s, 0.020, 0.005);
   EXPECT_NEAR(off_deg(room, reports, 119.0), off_deg(room, reports, 69.0), 0.7);
 }
@@ -168,10 +168,10 @@ TEST(Odometer, KeepsTheHeadingOfTheGyroWhenImagesHaveWrongTimes) {
   auto all = seen_in(room);
   make_early(all, 70.0, 100.0);
   const auto reports = reports_of(all);
-  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
-  EXPECT_NE(reports[at(73.0)].state, State::tracking);
+  ASSERT_EQ(reports[at(69.0)].state, EstimateState::good);
+  EXPECT_NE(reports[at(73.0)].state, EstimateState::good);
   EXPECT_LT(silent_s(room, reports, 69.0), 1.0);
-  EXPECT_EQ(reports.back().state, State::tracking);
+  EXPECT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(off_deg(room, reports, 119.0), off_deg(room, reports, 69.0), 0.7);
 }
 
@@ -182,8 +182,8 @@ TEST(Odometer, BelievesWhatTheGyroConfirmsAtTheSameSpeedAndNothingElse) {
   make_early(all, 74.0, 80.0);
   const auto reports = reports_of(all);
   EXPECT_LT(silent_s(room, reports, 69.0), 1.0);
-  EXPECT_EQ(reports[at(79.5)].state, State::relocalising);
-  EXPECT_EQ(reports[at(84.0)].state, State::tracking);
+  EXPECT_EQ(reports[at(79.5)].state, EstimateState::relocalising);
+  EXPECT_EQ(reports[at(84.0)].state, EstimateState::good);
   EXPECT_NEAR(off_deg(room, reports, 84.0), off_deg(room, reports, 69.0), 0.7);
 }
 
@@ -192,7 +192,7 @@ TEST(Odometer, TracksThoughSomeoneComesAfterTheStart) {
   auto all = seen_in(room);
   let_walk(room, 20.0, all, 45.0);
   const auto reports = reports_of(all);
-  ASSERT_EQ(reports[at(44.0)].state, State::tracking);
+  ASSERT_EQ(reports[at(44.0)].state, EstimateState::good);
   EXPECT_GT(share_tracked(reports, 90.0), 0.7);  // 61 % if it is not taken for traffic
   EXPECT_LT(silent_s(room, reports, 44.0), 0.5);
 }
@@ -202,8 +202,8 @@ TEST(Odometer, SaysThatNoNewImageComes) {
   for (Seen& seen : all)
     if (seen.frame.exposure_end > at_s(45.0)) seen.frame.fresh_even = seen.frame.fresh_odd = 0;
   const auto reports = reports_of(all);
-  EXPECT_EQ(reports[at(44.0)].state, State::tracking);
-  EXPECT_EQ(reports[at(46.5)].reason, Reason::no_camera);
+  EXPECT_EQ(reports[at(44.0)].state, EstimateState::good);
+  EXPECT_EQ(reports[at(46.5)].reason, EstimateReason::no_image);
   EXPECT_GT(reports[at(69.0)].heading_sigma_deg, 2.0 * reports[at(46.0)].heading_sigma_deg);
 }
 
@@ -219,11 +219,11 @@ TEST(Odometer, KeepsAMapThatTheGyroConfirmsThoughImagesHaveNotFittedForLong) {
       half.end += std::chrono::milliseconds(i % 2 == 0 ? 4 : -4);
     }
   const auto reports = reports_of(all);
-  ASSERT_EQ(reports[at(49.0)].state, State::tracking);
-  EXPECT_EQ(reports[at(90.0)].reason, Reason::view_differs);
+  ASSERT_EQ(reports[at(49.0)].state, EstimateState::good);
+  EXPECT_EQ(reports[at(90.0)].reason, EstimateReason::view_differs);
   EXPECT_TRUE(std::none_of(reports.begin() + static_cast<long>(at(50.0)), reports.end(),
-                           [](const Report& one) { return one.state == State::starting; }));
-  EXPECT_EQ(reports.back().state, State::tracking);
+                           [](const Report& one) { return one.state == EstimateState::starting; }));
+  EXPECT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(off_deg(room, reports, 119.0), off_deg(room, reports, 49.0), 0.5);
 }
 
@@ -233,10 +233,10 @@ TEST(Odometer, SaysInANewMapHowWellTheGyroHasCarriedTheHeadingThere) {
   auto all = seen_in(room);
   change_walls(room, 70.0, 0.8F, all);
   const auto reports = reports_of(all);
-  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
+  ASSERT_EQ(reports[at(69.0)].state, EstimateState::good);
   EXPECT_LT(reports[at(69.0)].heading_sigma_deg, 0.7);
-  EXPECT_EQ(reports[at(137.0)].state, State::starting);
-  ASSERT_EQ(reports.back().state, State::tracking);
+  EXPECT_EQ(reports[at(137.0)].state, EstimateState::starting);
+  ASSERT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(off_deg(room, reports, 169.0), off_deg(room, reports, 69.0),
               2.0 * reports.back().heading_sigma_deg);
   EXPECT_GT(reports.back().heading_sigma_deg, 1.0);
@@ -252,8 +252,8 @@ TEST(Odometer, BeginsANewMapWhereTheGyroHasTheRigWithTheBiasThatItLearnsThere) {
   for (std::size_t i = at(70.0); i < all.size(); ++i)
     for (TimedGyro& sample : all[i].gyro) sample.rate_dps += 1.0F;
   const auto reports = reports_of(all);
-  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
-  ASSERT_EQ(reports.back().state, State::tracking);
+  ASSERT_EQ(reports[at(69.0)].state, EstimateState::good);
+  ASSERT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(reports.back().bias_dps, room.bias_dps + 1.0, 0.1);
   EXPECT_NEAR(off_deg(room, reports, 169.0), off_deg(room, reports, 69.0),
               2.5 * reports.back().heading_sigma_deg);
@@ -269,8 +269,8 @@ TEST(Odometer, AnOpenMapsAnglesCountFromWhereItBegins) {
   auto all = seen_in(room);
   change_walls(room, 80.0, 1.0F, all);
   const auto reports = reports_of(all);
-  ASSERT_EQ(reports[at(74.0)].state, State::tracking);
-  ASSERT_EQ(reports.back().state, State::tracking);
+  ASSERT_EQ(reports[at(74.0)].state, EstimateState::good);
+  ASSERT_EQ(reports.back().state, EstimateState::good);
   EXPECT_GT(reports.back().heading_deg, 1700.0);
   EXPECT_LT(reports.back().heading_sigma_deg, 10.0);
 }
@@ -299,7 +299,7 @@ double worst_sigmas_since(double since_s, const Room& room, const std::vector<Re
 TEST(Odometer, MeetsLensAndGyroHalfWayWhereTheMapDoesNotClose) {
   const Room room = half_seen_room();
   const auto reports = reports_of(seen_in(room));
-  ASSERT_EQ(reports.back().state, State::tracking);
+  ASSERT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(reports.back().scale, 0.5 * (1.0 + (1.0 + room.wider) * room.scale), 0.005);
   EXPECT_LT(worst_sigmas_since(50.0, room, reports), 2.0);
   for (double time_s = 50.0; time_s < 70.0; time_s += 0.5) {
@@ -318,7 +318,7 @@ GyroProfile measured_gyro(const Room& room) {
 TEST(Odometer, BelievesAGyroThatWasMeasuredWhereTheMapDoesNotClose) {
   const Room room = half_seen_room();
   const auto reports = reports_of(seen_in(room), measured_gyro(room));
-  ASSERT_EQ(reports.back().state, State::tracking);
+  ASSERT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(reports.back().scale, room.scale, 0.003);
   EXPECT_LT(worst_sigmas_since(50.0, room, reports), 2.0);
   for (double time_s = 50.0; time_s < 70.0; time_s += 0.5) {
@@ -332,9 +332,9 @@ TEST(Odometer, BeginsANewMapWhereItSaidThatAnOpenOneHadTheRig) {
   auto all = seen_in(room);
   change_walls(room, 73.0, 1.0F, all);
   const auto reports = reports_of(all, measured_gyro(room));
-  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
-  ASSERT_EQ(reports[at(140.0)].state, State::starting);
-  ASSERT_EQ(reports.back().state, State::tracking);
+  ASSERT_EQ(reports[at(69.0)].state, EstimateState::good);
+  ASSERT_EQ(reports[at(140.0)].state, EstimateState::starting);
+  ASSERT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(off_deg(room, reports, 199.0), off_deg(room, reports, 69.0), 1.0);
 }
 
@@ -349,7 +349,8 @@ TEST(Odometer, IsNoSurerThanItsGyroWhereHalvesThatDoNotFitDragTheHeading) {
     const double off = std::abs(off_deg(room, reports, time_s) - off_deg(room, reports, 69.0));
     const Report& report = reports[at(time_s)];
     worst_deg = std::max(worst_deg, off);
-    EXPECT_TRUE(report.state == State::not_trusted || report.state == State::relocalising) << time_s;
+    EXPECT_TRUE(report.state == EstimateState::not_trusted || report.state == EstimateState::relocalising)
+        << time_s;
     EXPECT_LT(off, 2.0 * report.heading_sigma_deg) << time_s;
   }
   EXPECT_GT(worst_deg, 3.0);
@@ -361,10 +362,10 @@ TEST(Odometer, BeginsANewMapWhereItIsCarriedIntoAnotherRoom) {
   auto all = seen_in(room);
   change_walls(room, 70.0, 1.0F, all);
   const auto reports = reports_of(all);
-  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
-  EXPECT_EQ(reports[at(75.0)].reason, Reason::view_differs);
-  EXPECT_EQ(reports[at(145.0)].state, State::starting);
-  EXPECT_EQ(reports.back().state, State::tracking);
+  ASSERT_EQ(reports[at(69.0)].state, EstimateState::good);
+  EXPECT_EQ(reports[at(75.0)].reason, EstimateReason::view_differs);
+  EXPECT_EQ(reports[at(145.0)].state, EstimateState::starting);
+  EXPECT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(off_deg(room, reports, 179.0), off_deg(room, reports, 69.0),
               2.0 * reports.back().heading_sigma_deg);
   EXPECT_LT(reports.back().heading_sigma_deg, 3.0);
@@ -402,7 +403,7 @@ TEST(Odometer, KnowsThatAGyroThatSetsItselfToZeroHasNoBias) {
     if (seen.frame.exposure_end > at_s(stops_s)) seen.frame.fresh_even = seen.frame.fresh_odd = 0;
   }
   const auto reports = reports_of(all);
-  ASSERT_EQ(reports[at(44.0)].state, State::tracking);
+  ASSERT_EQ(reports[at(44.0)].state, EstimateState::good);
   EXPECT_NEAR(off_deg(room, reports, 45.75), off_deg(room, reports, 44.0), 0.5);
 }
 
@@ -415,7 +416,7 @@ TEST(Odometer, IsLessSureOfTheHeadingWhereGearsShakeTheGyro) {
     for (TimedGyro& sample : seen.gyro)
       sample.reading.rate_dps = {shake_dps(random), shake_dps(random), sample.rate_dps};
   const Report shaken = reports_of(all).back();
-  ASSERT_EQ(shaken.state, State::tracking);
+  ASSERT_EQ(shaken.state, EstimateState::good);
   EXPECT_GT(shaken.heading_sigma_deg, 1.2 * still.heading_sigma_deg);
 }
 

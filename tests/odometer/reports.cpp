@@ -34,7 +34,7 @@ double silent_s(const Room& room, const std::vector<Report>& reports, double fro
   double silent_s = 0.0, longest_s = 0.0;
   for (double time_s = from_s; time_s < room.duration_s - 0.5; time_s += 0.125) {
     const bool is_off = std::abs(off_deg(room, reports, time_s) - origin_deg) > 2.0;
-    silent_s = is_off && reports[at(time_s)].state == State::tracking ? silent_s + 0.125 : 0.0;
+    silent_s = is_off && reports[at(time_s)].state == EstimateState::good ? silent_s + 0.125 : 0.0;
     longest_s = std::max(longest_s, silent_s);
   }
   return longest_s;
@@ -42,7 +42,7 @@ double silent_s(const Room& room, const std::vector<Report>& reports, double fro
 
 double share_tracked(const std::vector<Report>& reports, double from_s) {
   const auto tracked = std::count_if(reports.begin() + static_cast<long>(at(from_s)), reports.end(),
-                                     [](const Report& one) { return one.state == State::tracking; });
+                                     [](const Report& one) { return one.state == EstimateState::good; });
   return static_cast<double>(tracked) / static_cast<double>(reports.size() - at(from_s));
 }
 

@@ -14,9 +14,9 @@ namespace {
 TEST(OdometerStart, StartsInMotionAndFindsBiasScaleAndLatency) {
   const Room room = turning_room();
   const auto reports = reports_of(seen_in(room));
-  EXPECT_EQ(reports[at(10.0)].state, State::starting);
+  EXPECT_EQ(reports[at(10.0)].state, EstimateState::starting);
   const Report& last = reports.back();
-  EXPECT_EQ(last.state, State::tracking);
+  EXPECT_EQ(last.state, EstimateState::good);
   EXPECT_NEAR(last.bias_dps, room.bias_dps, 0.05);
   EXPECT_NEAR(last.scale, room.scale, 0.001);
   EXPECT_NEAR(last.latency_s, room.latency_s, 0.001);
@@ -30,7 +30,7 @@ TEST(OdometerStart, StartsHoweverWellAProfileSaysThatItKnowsTheBias) {
     gyro.bias_dps = room.bias_dps + off_dps;
     gyro.bias_uncertainty_dps = 0.02;
     const Report last = reports_of(all, gyro).back();
-    EXPECT_EQ(last.state, State::tracking) << off_dps;
+    EXPECT_EQ(last.state, EstimateState::good) << off_dps;
     EXPECT_NEAR(last.bias_dps, room.bias_dps, 0.1) << off_dps;
   }
 }
@@ -42,7 +42,7 @@ TEST(OdometerStart, BeginsAMapWithTheNoiseThatItHasHeardBefore) {
   room.contrast_k = 1.6;
   const auto reports = reports_of(seen_in(room));
   const auto begins = std::find_if(reports.begin(), reports.end(),
-                                   [](const Report& one) { return one.state == State::tracking; });
+                                   [](const Report& one) { return one.state == EstimateState::good; });
   ASSERT_NE(begins, reports.end());
   EXPECT_LT(begins->mean_nis, 0.6);
   EXPECT_NEAR(begins->scale, room.scale, 0.001);
@@ -56,10 +56,10 @@ TEST(OdometerStart, FindsInWhichOrderRowsAreExposed) {
     const auto reports = reports_of(seen_in(room));
     EXPECT_EQ(reports.back().rows, rows_of(room));
     EXPECT_GT(reports.back().row_margin, 10.0);
-    EXPECT_EQ(reports.back().state, State::tracking);
+    EXPECT_EQ(reports.back().state, EstimateState::good);
     for (const Report& report : reports)  // what a start believes meanwhile may change
-      EXPECT_EQ(report.row_margin > 0.0, report.state != State::starting);
-    ASSERT_EQ(reports[at(54.0)].state, State::tracking);
+      EXPECT_EQ(report.row_margin > 0.0, report.state != EstimateState::starting);
+    ASSERT_EQ(reports[at(54.0)].state, EstimateState::good);
     const double origin_deg = off_deg(room, reports, 54.0);
     for (double time_s = 54.0; time_s < 69.0; time_s += 0.5)
       EXPECT_NEAR(off_deg(room, reports, time_s), origin_deg, 0.5) << rolling << " at " << time_s;
@@ -74,7 +74,7 @@ TEST(OdometerStart, BeginsItsMapAgainWhereASearchTellsAnotherOrderOfRows) {
     room.angle_deg = to_and_fro(60.0, 30.0);
     room.rolling = rolling;
     const auto reports = reports_of(seen_in(room));
-    EXPECT_EQ(reports.back().state, State::tracking);
+    EXPECT_EQ(reports.back().state, EstimateState::good);
     EXPECT_EQ(reports.back().rows, rows_of(room));
   }
 }
@@ -83,7 +83,7 @@ TEST(OdometerStart, StartsAtRest) {
   const Room room = with_rest(turning_room(58.0), 0.0, 12.0);
   const auto reports = reports_of(seen_in(room));
   EXPECT_NEAR(reports[at(11.0)].bias_dps, room.bias_dps, 0.3);
-  EXPECT_EQ(reports.back().state, State::tracking);
+  EXPECT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(reports.back().bias_dps, room.bias_dps, 0.05);
 }
 
@@ -92,8 +92,8 @@ TEST(OdometerStart, TakesNoLongerAndFindsTheOrderOfRowsAsWellAfterALongRest) {
   room.angle_deg = to_and_fro(300.0, 150.0);
   room.rolling = -1.0;
   const auto reports = reports_of(seen_in(with_rest(room, 0.0, 50.0)));
-  EXPECT_EQ(reports[at(50.0)].state, State::starting);
-  EXPECT_EQ(reports[at(85.0)].state, State::tracking);
+  EXPECT_EQ(reports[at(50.0)].state, EstimateState::starting);
+  EXPECT_EQ(reports[at(85.0)].state, EstimateState::good);
   EXPECT_EQ(reports.back().rows, RowOrder::last_to_first);
 }
 
@@ -103,8 +103,8 @@ TEST(OdometerStart, DoesNotTakeARestForTheMotionThatItLearnsFrom) {
   room.rolling = 1.0;
   room = with_rest(room, 5.0, 31.0);
   const auto reports = reports_of(seen_in(room));
-  EXPECT_EQ(reports[at(36.0)].state, State::starting);
-  ASSERT_EQ(reports[at(97.0)].state, State::tracking);
+  EXPECT_EQ(reports[at(36.0)].state, EstimateState::starting);
+  ASSERT_EQ(reports[at(97.0)].state, EstimateState::good);
   EXPECT_EQ(reports.back().rows, RowOrder::first_to_last);
   EXPECT_NEAR(off_deg(room, reports, 97.0), off_deg(room, reports, 100.0), 0.5);
   EXPECT_NEAR(reports.back().scale, room.scale, 0.001);
@@ -129,7 +129,7 @@ TEST(OdometerStart, KeepsTheHalvesOfAStartUntilSearchesKnowTheScale) {
   auto all = seen_in(room);
   let_walk(room, 20.0, all);
   const auto reports = reports_of(all);
-  EXPECT_EQ(reports[at(42.0)].state, State::tracking);
+  EXPECT_EQ(reports[at(42.0)].state, EstimateState::good);
   EXPECT_NEAR(reports[at(42.0)].bias_dps, room.bias_dps, 0.2);
 }
 
@@ -139,12 +139,14 @@ TEST(OdometerStart, ProvesTheHeadingFirstWhereAStartOutlastsTheMinuteThatItKeeps
   room.noise_k = 0.9;
   room.rolling = 1.0;
   const auto reports = reports_of(seen_in(room));
-  const auto state_is = [](State state) { return [state](const Report& one) { return one.state == state; }; };
-  const auto ends = std::find_if_not(reports.begin(), reports.end(), state_is(State::starting));
+  const auto state_is = [](EstimateState state) {
+    return [state](const Report& one) { return one.state == state; };
+  };
+  const auto ends = std::find_if_not(reports.begin(), reports.end(), state_is(EstimateState::starting));
   ASSERT_GT(ends, reports.begin() + static_cast<long>(at(65.0)));
   ASSERT_NE(ends, reports.end());
-  EXPECT_EQ(ends->state, State::relocalising);
-  const auto tracks = std::find_if(ends, reports.end(), state_is(State::tracking));
+  EXPECT_EQ(ends->state, EstimateState::relocalising);
+  const auto tracks = std::find_if(ends, reports.end(), state_is(EstimateState::good));
   ASSERT_LT(tracks, ends + 16);
   EXPECT_LT(tracks->heading_sigma_deg, 0.7 * ends->heading_sigma_deg);
   EXPECT_NEAR(off_deg(room, reports, 90.0), off_deg(room, reports, 75.0), 0.5);
@@ -156,7 +158,7 @@ TEST(OdometerStart, TracksThoughSomeoneWalksAround) {
   let_walk(room, 20.0, all);
   const auto reports = reports_of(all);
   EXPECT_GT(share_tracked(reports, 62.0), 0.9);
-  ASSERT_EQ(reports[at(62.0)].state, State::tracking);
+  ASSERT_EQ(reports[at(62.0)].state, EstimateState::good);
   EXPECT_LT(silent_s(room, reports, 62.0), 0.5);
 }
 
@@ -181,7 +183,7 @@ TEST(OdometerStart, DoesNotTakeSomeoneWhoWalksForTheWalls) {
   auto all = seen_in(room);
   let_walk(room, 20.0, all);
   for (const Report& report : reports_of(all))
-    if (report.state == State::tracking) {
+    if (report.state == EstimateState::good) {
       ASSERT_NEAR(report.bias_dps, room.bias_dps, 3.0);
     }
 }
@@ -189,7 +191,7 @@ TEST(OdometerStart, DoesNotTakeSomeoneWhoWalksForTheWalls) {
 TEST(OdometerStart, NeverSaysThatItTracksBeforeABlankWall) {
   Room room = turning_room();
   room.contrast_k = 0.0;
-  for (const Report& report : reports_of(seen_in(room))) EXPECT_NE(report.state, State::tracking);
+  for (const Report& report : reports_of(seen_in(room))) EXPECT_NE(report.state, EstimateState::good);
 }
 
 /// So faint that a map may close by itself, and the halves of its start lie anywhere: by their own sigmas
@@ -199,7 +201,7 @@ TEST(OdometerStart, NeverSaysThatItTracksInAFalseMap) {
   room.angle_deg = to_and_fro(200.0, 150.0);
   room.contrast_k = 0.11;
   room.walls = 8;
-  for (const Report& report : reports_of(seen_in(room))) EXPECT_NE(report.state, State::tracking);
+  for (const Report& report : reports_of(seen_in(room))) EXPECT_NE(report.state, EstimateState::good);
 }
 
 TEST(OdometerStart, BelievesAGyroThatNoDataSheetKnowsOnceASecondStartSaysTheSame) {
@@ -207,8 +209,8 @@ TEST(OdometerStart, BelievesAGyroThatNoDataSheetKnowsOnceASecondStartSaysTheSame
   room.scale = 1.12;
   const auto reports = reports_of(seen_in(room));
   for (double time_s = 1.0; time_s < 50.0; time_s += 0.25)
-    EXPECT_NE(reports[at(time_s)].state, State::tracking);
-  EXPECT_EQ(reports.back().state, State::tracking);
+    EXPECT_NE(reports[at(time_s)].state, EstimateState::good);
+  EXPECT_EQ(reports.back().state, EstimateState::good);
   EXPECT_NEAR(reports.back().scale, room.scale, 0.002);
 }
 
@@ -218,7 +220,7 @@ TEST(OdometerStart, BelievesAGyroAtOnceThatADataSheetOrAMosaicKnows) {
     Room room = turning_room(40.0);
     room.scale = scale;
     const Report last = reports_of(seen_in(room)).back();
-    EXPECT_EQ(last.state, State::tracking);
+    EXPECT_EQ(last.state, EstimateState::good);
     EXPECT_NEAR(last.scale, scale, 0.002);
   }
 }

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "thermorig/core/reading.h"
+
 namespace thermorig {
 
 /// Finds a gyro that sets itself to zero at rest, as WitMotion's do: it reads exactly 0 about all axes for
@@ -15,8 +17,8 @@ class AutoZero {
   /// So many zeros in a row no gyro with noise shows: a quarter of a second at 200 Hz.
   static constexpr std::size_t fewest_zeros = 50;
 
-  /// The next sample: x, y, z in deg/s; an axis that is not sent is 0.
-  void add(const std::array<float, 3>& rate_dps);
+  /// The next sample; an axis that is not sent is 0.
+  void add(const GyroReading& reading);
 
   /// Samples are left out here: no run of zeros reaches over it.
   void pause() { zeros_ = 0; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 
 namespace thermorig {
 
@@ -14,5 +15,9 @@ struct Estimate {
   double uncertainty = 0.0;
   bool operator==(const Estimate&) const = default;
 };
+
+/// Mean of estimates of one quantity, weighted by 1 / uncertainty^2; at least one, uncertainties above 0.
+/// Where they scatter more than their uncertainties say, the scatter counts (Birge's ratio of metrology).
+Estimate weighted_mean(std::span<const Estimate> estimates);
 
 }  // namespace thermorig

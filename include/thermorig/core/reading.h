@@ -14,6 +14,9 @@ struct GyroReading {
   std::optional<float> temp_c;                 // the gyro's own temperature
   std::optional<std::int64_t> device_time_us;  // the device's own time, where it sends one
   bool saturated = false;                      // a count at either end of its range
+
+  /// About all axes exactly: some gyros set themselves to zero at rest, which hides their bias.
+  bool is_zero() const { return rate_dps == std::array<float, 3>{}; }
 };
 
 /// Five times the range of any gyro at hand, at most; false for NaN.

@@ -92,4 +92,51 @@ class RunningStatistics {
   double mean_ = 0.0, squares_ = 0.0;
 };
 
+/// The straight line that fits points (x, y) best, by weighted least squares.
+class LineFit {
+ public:
+  void add(double x, double y, double weight = 1.0) {
+    if (weights_ == 0.0) {  // sums are about the first point: points may lie far from 0
+      first_x_ = x;
+      first_y_ = y;
+    }
+    const double off_x = x - first_x_, off_y = y - first_y_;
+    weights_ += weight;
+    x_ += weight * off_x;
+    y_ += weight * off_y;
+    xx_ += weight * off_x * off_x;
+    xy_ += weight * off_x * off_y;
+    yy_ += weight * off_y * off_y;
+  }
+
+  double weights() const { return weights_; }
+  double mean_x() const { return first_x_ + x_ / weights_; }  // of one point at least
+  double mean_y() const { return first_y_ + y_ / weights_; }
+
+  /// Weighted squares about the mean; 0 without points.
+  double squares_x() const { return std::max(0.0, about_mean(xx_, x_ * x_)); }
+  double squares_y() const { return std::max(0.0, about_mean(yy_, y_ * y_)); }
+
+  /// 0 where all x are the same.
+  double slope() const { return squares_x() > 0.0 ? about_mean(xy_, x_ * y_) / squares_x() : 0.0; }
+
+  double at(double x) const { return mean_y() + slope() * (x - mean_x()); }
+
+  /// Weighted squares of y less the line.
+  double residual_squares() const { return std::max(0.0, squares_y() - slope() * slope() * squares_x()); }
+
+  /// -1..1; 0 where all x or all y are the same.
+  double correlation() const {
+    return squares_y() > 0.0 ? slope() * std::sqrt(squares_x() / squares_y()) : 0.0;
+  }
+
+ private:
+  double about_mean(double products, double sums) const {
+    return weights_ > 0.0 ? products - sums / weights_ : 0.0;
+  }
+
+  double first_x_ = 0.0, first_y_ = 0.0;
+  double weights_ = 0.0, x_ = 0.0, y_ = 0.0, xx_ = 0.0, xy_ = 0.0, yy_ = 0.0;
+};
+
 }  // namespace thermorig

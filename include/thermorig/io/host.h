@@ -6,9 +6,6 @@
 
 namespace thermorig::io {
 
-/// The name of this machine as the network knows it.
-std::string host_name();
-
 /// Operating system, release and machine, e.g. "Linux 6.1.0-18-amd64 x86_64".
 std::string kernel_release();
 

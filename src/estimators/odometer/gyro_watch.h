@@ -12,19 +12,19 @@ namespace thermorig::odometer {
 class GyroWatch {
  public:
   void add(const TimedGyro& sample) {
-    const bool repeats = has_last_ && sample.reading.rate_dps == last_;
+    const bool repeats = has_last_ && sample.reading.rate_dps == last_.rate_dps;
     if (!repeats) since_ = sample.stamp.time;
-    last_ = sample.reading.rate_dps;
+    last_ = sample.reading;
     time_ = sample.stamp.time;
     has_last_ = true;
   }
 
   bool is_frozen() const { return has_last_ && time_ - since_ >= longest; }
-  bool is_zero() const { return has_last_ && last_ == std::array<float, 3>{}; }
+  bool is_zero() const { return has_last_ && last_.is_zero(); }
 
  private:
   static constexpr HostDuration longest = std::chrono::milliseconds(300);
-  std::array<float, 3> last_{};
+  GyroReading last_;
   HostTime since_{}, time_{};
   bool has_last_ = false;
 };

@@ -90,7 +90,7 @@ struct Odometer::Parts {
   bool does_gyro_differ() const;
   bool is_map_given_up(const HalfFrame& half);
   Report report(const TimedFrame& frame, double now_s) const;
-  Reason reason(double now_s) const;
+  EstimateReason reason(double now_s) const;
   Priors known_of_gyro() const;
   struct MapDegree {
     double length = 1.0, sigma = 0.0;  // in true degrees
@@ -201,7 +201,8 @@ void Odometer::Parts::add_gyro(const TimedGyro& sample) {
 
 Report Odometer::Parts::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
   for (const TimedGyro& sample : gyro) add_gyro(sample);
-  if (!origin || !path.has_begun()) return {.state = State::not_trusted, .reason = Reason::no_gyro};
+  if (!origin || !path.has_begun())
+    return {.state = EstimateState::not_trusted, .reason = EstimateReason::no_gyro};
   const double now_s = to_s(frame.exposure_end - *origin);
   if (has_heading() && now_s > front.now_s()) front.advance(path, now_s);
   stands_in = frame.stands_in;
@@ -469,12 +470,13 @@ void Odometer::Parts::begin_anew() {
   phase = Phase::starting;
 }
 
-Reason Odometer::Parts::reason(double now_s) const {
-  if (now_s - last_gyro_s > longest_gyro_gap_s) return Reason::no_gyro;
-  if (stands_in || !has_seen || now_s - last_half_s > longest_camera_gap_s) return Reason::no_camera;
-  if (watch.is_frozen() && !watch.is_zero()) return Reason::gyro_frozen;
-  if (map_use == MapUse::searching) return Reason::none;  // another place is found, where another view fits
-  return is_covered() || unfit_since_s ? Reason::view_differs : Reason::none;
+EstimateReason Odometer::Parts::reason(double now_s) const {
+  if (now_s - last_gyro_s > longest_gyro_gap_s) return EstimateReason::no_gyro;
+  if (stands_in || !has_seen || now_s - last_half_s > longest_camera_gap_s) return EstimateReason::no_image;
+  if (watch.is_frozen() && !watch.is_zero()) return EstimateReason::gyro_frozen;
+  if (map_use == MapUse::searching)
+    return EstimateReason::none;  // another place is found, where another view fits
+  return is_covered() || unfit_since_s ? EstimateReason::view_differs : EstimateReason::none;
 }
 
 /// Bias, scale and latency. A map on trial may have the camera look where it does not, and then teaches the
@@ -505,13 +507,13 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   const HeadingFilter& filter = front.filter();
   Report report;
   report.reason = reason(now_s);
-  if (report.reason != Reason::none)
-    report.state = State::not_trusted;
+  if (report.reason != EstimateReason::none)
+    report.state = EstimateState::not_trusted;
   else if (map_use == MapUse::searching || phase == Phase::locating ||
            (phase == Phase::running && !trust.is_trusted()))
-    report.state = State::relocalising;
+    report.state = EstimateState::relocalising;
   else
-    report.state = phase == Phase::running ? State::tracking : State::starting;
+    report.state = phase == Phase::running ? EstimateState::good : EstimateState::starting;
   Priors gyro = known_of_gyro();
   const MapDegree degree = map_degree(gyro);
   gyro.scale /= degree.length;
@@ -541,7 +543,8 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.heading_sigma_deg = std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps,
                                         std::hypot(origin_sigma_deg, degree.sigma * since_begun_deg));
   // Halves that do not fit may drag the heading: then it is no surer than the gyro is, from a sound one on.
-  const bool is_doubted = report.reason == Reason::view_differs || report.state == State::relocalising;
+  const bool is_doubted =
+      report.reason == EstimateReason::view_differs || report.state == EstimateState::relocalising;
   const auto expected = is_doubted ? by_gyro() : std::nullopt;
   if (expected)
     report.heading_sigma_deg = std::hypot(report.heading_sigma_deg, expected->sigma_deg,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/labels/intervals.h"
 
 namespace thermorig::labels {
@@ -155,20 +156,14 @@ std::int64_t CommandTrack::constant_begin_us(const Point& last) const {
 
 /// Of the pulses that start in the span.
 std::optional<double> CommandTrack::pulse_rate_dps(std::int64_t begin_us, std::int64_t end_us) const {
-  double count = 0.0, time_s = 0.0, value = 0.0, square = 0.0, product = 0.0;
+  LineFit line;
   const auto pulses = pulses_.all();
   for (std::size_t i = pulses.size(); i-- > 0 && pulses[i].start_us >= begin_us;) {
     if (pulses[i].start_us > end_us) continue;
-    const double off_s = static_cast<double>(pulses[i].start_us - end_us) * 1e-6;
-    count += 1.0;
-    time_s += off_s;
-    value += pulses[i].value;
-    square += off_s * off_s;
-    product += off_s * pulses[i].value;
+    line.add(static_cast<double>(pulses[i].start_us - end_us) * 1e-6, pulses[i].value);
   }
-  if (count < static_cast<double>(least_pulses)) return std::nullopt;
-  if (scale_.continuous()) return value / count;
-  return (product - time_s * value / count) / (square - time_s * time_s / count);
+  if (line.weights() < static_cast<double>(least_pulses)) return std::nullopt;
+  return scale_.continuous() ? line.mean_y() : line.slope();
 }
 
 std::optional<double> CommandTrack::constant_rate_dps(HostTime begin, HostTime end) const {

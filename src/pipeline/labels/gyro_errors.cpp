@@ -9,6 +9,7 @@
 
 #include "least_squares.h"
 #include "thermorig/core/auto_zero.h"
+#include "thermorig/core/gyro_blocks.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/labels/gyro_rests.h"
 #include "thermorig/pipeline/labels/intervals.h"
@@ -19,7 +20,7 @@ namespace thermorig::labels {
 
 namespace {
 constexpr double rest_settle_s = 0.5;  // a shaft that still moves is not at rest
-constexpr double block_s = 0.25;
+constexpr auto block_length = std::chrono::milliseconds(250);
 constexpr std::size_t least_samples = 8;   // of a block
 constexpr double steady = 2.0;             // a block's deviation over that of most: the shaft moved
 constexpr double outlying_block = 6.0;     // a block's mean off that of most: a hand turned the rig
@@ -31,22 +32,14 @@ constexpr double servo_scale_doubt = 0.015;
 constexpr double leg_deviation = 0.004;  // relative: a servo's slope along its travel
 constexpr double leg_deviation_dps = 0.1;
 
+/// A block of a rest.
 struct Block {
-  std::size_t rest = 0;  // number of the rest it lies in
-  double mean_dps = 0.0;
-  double deviation_dps = 0.0;
+  std::size_t rest = 0;  // its number
+  GyroBlock gyro;
 };
 
-bool is_zero(const TimedGyro& sample) {
-  const auto& rate = sample.reading.rate_dps;
-  return std::all_of(rate.begin(), rate.end(), [](float axis) { return axis == 0.0F; });
-}
-
-/// Gyro samples from one time to another.
-std::span<const TimedGyro> between(std::span<const TimedGyro> gyro, HostTime begin, HostTime end) {
-  const auto before = [](const TimedGyro& sample, HostTime time) { return sample.stamp.time < time; };
-  const auto first = std::lower_bound(gyro.begin(), gyro.end(), begin, before);
-  return {first, std::lower_bound(first, gyro.end(), std::max(begin, end), before)};
+bool is_measured(const TimedGyro& sample) {
+  return !sample.reading.is_zero();
 }
 
 bool zeroes_itself(std::span<const TimedGyro> gyro, const std::vector<Interval>& rests, HostTime origin) {
@@ -54,36 +47,21 @@ bool zeroes_itself(std::span<const TimedGyro> gyro, const std::vector<Interval>&
   for (const Interval& rest : rests) {
     zeros.pause();
     for (const TimedGyro& sample : between(gyro, origin + from_s(rest.begin_s), origin + from_s(rest.end_s)))
-      zeros.add(sample.reading.rate_dps);
+      zeros.add(sample.reading);
   }
   return zeros.is_seen();
-}
-
-std::optional<Block> block_of(std::span<const TimedGyro> gyro, std::size_t rest) {
-  double count = 0.0, sum = 0.0, squares = 0.0;
-  for (const TimedGyro& sample : gyro) {
-    const auto rate_dps = static_cast<double>(sample.rate_dps);
-    if (is_zero(sample) || !std::isfinite(rate_dps)) continue;
-    count += 1.0;
-    sum += rate_dps;
-    squares += rate_dps * rate_dps;
-  }
-  if (count < static_cast<double>(least_samples)) return std::nullopt;
-  const double mean = sum / count;
-  return Block{rest, mean, std::sqrt(std::max(0.0, squares / count - mean * mean))};
 }
 
 /// Blocks in the rests, each rest without the time that the shaft needs to settle.
 std::vector<Block> blocks_of(std::span<const TimedGyro> gyro, const std::vector<Interval>& rests,
                              HostTime origin) {
   std::vector<Block> blocks;
-  for (std::size_t rest = 0; rest < rests.size(); ++rest)
-    for (double start_s = rests[rest].begin_s + rest_settle_s; start_s + block_s <= rests[rest].end_s;
-         start_s += block_s) {
-      const HostTime begin = origin + from_s(start_s);
-      if (const auto block = block_of(between(gyro, begin, begin + from_s(block_s)), rest))
-        blocks.push_back(*block);
-    }
+  for (std::size_t rest = 0; rest < rests.size(); ++rest) {
+    const HostTime begin = origin + from_s(rests[rest].begin_s + rest_settle_s);
+    for (const GyroBlock& block : gyro_blocks(gyro, begin, origin + from_s(rests[rest].end_s),
+                                              {block_length, least_samples, is_measured}))
+      blocks.push_back({rest, block});
+  }
   return blocks;
 }
 
@@ -96,10 +74,10 @@ std::vector<double> each(const std::vector<Block>& blocks, Of of) {
 }
 
 double mean_of(const Block& block) {
-  return block.mean_dps;
+  return block.gyro.mean_dps();
 }
 double deviation_of(const Block& block) {
-  return block.deviation_dps;
+  return block.gyro.deviation_dps();
 }
 
 /// Blocks that are not further from the middle of their rest, or of most rests where theirs is short, than
@@ -107,22 +85,22 @@ double deviation_of(const Block& block) {
 void keep_usual(std::vector<Block>& blocks) {
   const double centre_dps = median(each(blocks, mean_of));
   std::map<std::size_t, std::vector<double>> by_rest;
-  for (const Block& block : blocks) by_rest[block.rest].push_back(block.mean_dps);
+  for (const Block& block : blocks) by_rest[block.rest].push_back(mean_of(block));
   std::map<std::size_t, double> centres;
   std::vector<double> off;
   for (const auto& [rest, means] : by_rest)
     centres[rest] = means.size() < long_rest_blocks ? centre_dps : median(means);
-  for (const Block& block : blocks) off.push_back(block.mean_dps - centres[block.rest]);
+  for (const Block& block : blocks) off.push_back(mean_of(block) - centres[block.rest]);
   const double limit_dps = std::max(outlying_block * robust_deviation(off, 0.0), least_outlier_dps);
   std::erase_if(
-      blocks, [&](const Block& block) { return std::abs(block.mean_dps - centres[block.rest]) > limit_dps; });
+      blocks, [&](const Block& block) { return std::abs(mean_of(block) - centres[block.rest]) > limit_dps; });
 }
 
 /// Leaves out what a moving shaft or a hand on the rig made: blocks that vary, and those far from most of
 /// their rest. A bias may move from one rest to the next: a whole rest of some length is never left out.
 void keep_quiet(std::vector<Block>& blocks) {
   const double noise_dps = median(each(blocks, deviation_of));
-  std::erase_if(blocks, [&](const Block& block) { return block.deviation_dps > steady * noise_dps; });
+  std::erase_if(blocks, [&](const Block& block) { return deviation_of(block) > steady * noise_dps; });
   keep_usual(blocks);
 }
 
@@ -130,7 +108,7 @@ void keep_quiet(std::vector<Block>& blocks) {
 std::optional<double> bias_of_rests(const std::vector<Block>& blocks, std::size_t first, std::size_t end) {
   std::vector<double> means;
   for (const Block& block : blocks)
-    if (first <= block.rest && block.rest < end) means.push_back(block.mean_dps);
+    if (first <= block.rest && block.rest < end) means.push_back(mean_of(block));
   return means.empty() ? std::nullopt : std::optional(median(std::move(means)));
 }
 
@@ -173,11 +151,13 @@ std::optional<Estimate> bias_from_legs(std::span<const TimedGyro> gyro, std::spa
   equations.add_prior(1, 0.0, unknown_bias_dps);
   bool any = false;
   for (const Interval& leg : steady_intervals(servo, origin, false)) {
-    const auto part = between(gyro, origin + from_s(leg.begin_s + rest_settle_s), origin + from_s(leg.end_s));
-    const auto block = block_of(part, 0);
-    if (!block) continue;
+    GyroBlock block;
+    for (const TimedGyro& sample :
+         between(gyro, origin + from_s(leg.begin_s + rest_settle_s), origin + from_s(leg.end_s)))
+      if (is_measured(sample)) block.add(sample);
+    if (block.shaft_dps.count() < least_samples) continue;
     const std::array<double, 2> row{leg.rate_dps, 1.0};
-    equations.add(row, block->mean_dps, std::hypot(leg_deviation_dps, leg_deviation * leg.rate_dps));
+    equations.add(row, block.mean_dps(), std::hypot(leg_deviation_dps, leg_deviation * leg.rate_dps));
     any = true;
   }
   if (!any) return std::nullopt;

@@ -2,16 +2,16 @@
 #include "thermorig/pipeline/labels/gyro_rests.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "thermorig/core/statistics.h"
+#include "thermorig/core/gyro_blocks.h"
 
 namespace thermorig::labels {
 
 namespace {
 
-constexpr double still_block_s = 0.25;
+constexpr auto still_block_length = std::chrono::milliseconds(250);
+constexpr std::size_t fewest_in_block = 8;
 constexpr double quietest_share = 0.1;  // of the blocks: their deviation is the gyro's noise
 constexpr double still_factor = 2.0;    // a block that varies more is none of a rest
 constexpr double least_noise_dps = 0.02;
@@ -22,69 +22,30 @@ constexpr std::size_t fewest_frames = 8;
 constexpr std::size_t neighbour = 2;   // frames apart: both chess halves are new by then
 constexpr double turned_factor = 1.5;  // noise differs as much however far apart, and is never so uneven
 
-struct StillBlock {
-  double begin_s = 0.0;
-  double mean_dps = 0.0;       // about the servo's axis
-  double deviation_dps = 0.0;  // of the axis that varies most
-};
-
-StillBlock still_block(std::span<const TimedGyro> gyro, double begin_s) {
-  RunningStatistics shaft;
-  std::array<RunningStatistics, 3> axes;
-  for (const TimedGyro& sample : gyro) {
-    const auto add = [](RunningStatistics& statistics, float rate_dps) {
-      if (std::isfinite(rate_dps)) statistics.add(static_cast<double>(rate_dps));
-    };
-    add(shaft, sample.rate_dps);
-    for (std::size_t axis = 0; axis < axes.size(); ++axis) add(axes[axis], sample.reading.rate_dps[axis]);
-  }
-  double variance = shaft.variance();
-  for (const RunningStatistics& axis : axes) variance = std::max(variance, axis.variance());
-  return {begin_s, shaft.mean(), std::sqrt(variance)};
-}
-
-/// Without those that have hardly a sample.
-std::vector<StillBlock> still_blocks(std::span<const TimedGyro> gyro) {
-  constexpr std::size_t fewest_samples = 8;
-  std::vector<StillBlock> blocks;
-  const HostTime origin = gyro.front().stamp.time;
-  const auto block_number = [&](const TimedGyro& sample) {
-    return std::floor(to_s(sample.stamp.time - origin) / still_block_s);
-  };
-  for (std::size_t first = 0; first < gyro.size();) {
-    const double number = block_number(gyro[first]);
-    std::size_t end = first + 1;
-    while (end < gyro.size() && block_number(gyro[end]) == number) ++end;
-    if (end - first >= fewest_samples)
-      blocks.push_back(still_block(gyro.subspan(first, end - first), number * still_block_s));
-    first = end;
-  }
-  return blocks;
-}
-
-double noise_of(const std::vector<StillBlock>& blocks) {
+double noise_of(const std::vector<GyroBlock>& blocks) {
   std::vector<double> deviations;
-  for (const StillBlock& block : blocks) deviations.push_back(block.deviation_dps);
+  for (const GyroBlock& block : blocks) deviations.push_back(block.largest_deviation_dps());
   return std::max(upper_quantile(deviations, quietest_share), least_noise_dps);
 }
 
 /// Neighbouring still blocks of one mean; `rate_dps` is that.
-std::vector<Interval> still_stretches(const std::vector<StillBlock>& blocks) {
+std::vector<Interval> still_stretches(const std::vector<GyroBlock>& blocks, HostTime origin) {
+  const double length_s = to_s(still_block_length), limit_dps = still_factor * noise_of(blocks);
   std::vector<Interval> stretches;
-  const double limit_dps = still_factor * noise_of(blocks);
   std::size_t count = 0;
-  for (const StillBlock& block : blocks) {
-    if (!(block.deviation_dps <= limit_dps)) continue;
-    const bool goes_on = !stretches.empty() && block.begin_s <= stretches.back().end_s + still_block_s / 2 &&
-                         std::abs(block.mean_dps - stretches.back().rate_dps) <= same_rest_dps;
+  for (const GyroBlock& block : blocks) {
+    if (!(block.largest_deviation_dps() <= limit_dps)) continue;
+    const double begin_s = to_s(block.begin - origin), mean_dps = block.mean_dps();
+    const bool goes_on = !stretches.empty() && begin_s <= stretches.back().end_s + length_s / 2 &&
+                         std::abs(mean_dps - stretches.back().rate_dps) <= same_rest_dps;
     if (!goes_on) {
-      stretches.push_back({block.begin_s, block.begin_s + still_block_s, block.mean_dps, 0});
+      stretches.push_back({begin_s, begin_s + length_s, mean_dps, 0});
       count = 1;
       continue;
     }
     Interval& stretch = stretches.back();
-    stretch.end_s = block.begin_s + still_block_s;
-    stretch.rate_dps += (block.mean_dps - stretch.rate_dps) / static_cast<double>(++count);
+    stretch.end_s = begin_s + length_s;
+    stretch.rate_dps += (mean_dps - stretch.rate_dps) / static_cast<double>(++count);
   }
   return stretches;
 }
@@ -117,10 +78,12 @@ double usual_difference_c2(std::span<const TimedFrame> frames, std::size_t apart
 
 std::vector<Interval> rests_by_gyro(std::span<const TimedGyro> gyro) {
   if (gyro.empty()) return {};
-  const std::vector<StillBlock> blocks = still_blocks(gyro);
+  const HostTime origin = gyro.front().stamp.time;
+  const std::vector<GyroBlock> blocks = gyro_blocks(gyro, origin, gyro.back().stamp.time + still_block_length,
+                                                    {still_block_length, fewest_in_block});
   if (blocks.empty()) return {};
   std::vector<Interval> rests;
-  for (const Interval& stretch : still_stretches(blocks)) {
+  for (const Interval& stretch : still_stretches(blocks, origin)) {
     const double length_s = stretch.end_s - stretch.begin_s;
     if (rests.empty()) {
       if (stretch.begin_s > latest_opening_rest_s) break;

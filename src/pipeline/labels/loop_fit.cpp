@@ -116,22 +116,10 @@ class Problem {
   }
 
   Match match(const std::vector<double>& rates) const {
-    const auto count = static_cast<double>(rates.size());
-    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-    for (std::size_t i = 0; i < rates.size(); ++i) {
-      x += rates[i];
-      y += measured_[i];
-      xx += rates[i] * rates[i];
-      xy += rates[i] * measured_[i];
-      yy += measured_[i] * measured_[i];
-    }
-    const double variance = xx - x * x / count, total = yy - y * y / count;
-    Match match;
-    match.factor = variance > 0.0 ? (xy - x * y / count) / variance : 0.0;
-    match.constant_dps = (y - match.factor * x) / count;
-    match.squares = std::max(0.0, total - match.factor * match.factor * variance);
-    match.share = total > 0.0 ? 1.0 - match.squares / total : 0.0;
-    return match;
+    LineFit line;
+    for (std::size_t i = 0; i < rates.size(); ++i) line.add(rates[i], measured_[i]);
+    const double squares = line.residual_squares(), total = line.squares_y();
+    return {line.slope(), line.at(0.0), squares, total > 0.0 ? 1.0 - squares / total : 0.0};
   }
 
   /// The delay of a grid that matches best, for a bandwidth.

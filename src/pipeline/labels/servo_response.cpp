@@ -2,6 +2,7 @@
 #include "thermorig/pipeline/labels/servo_response.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -18,7 +19,8 @@
 #include "shaft_model.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/labels/intervals.h"
-#include "thermorig/pipeline/labels/shaft_slope.h"
+#include "thermorig/pipeline/labels/label_config.h"
+#include "thermorig/pipeline/labels/shaft_track.h"
 
 namespace thermorig::labels {
 
@@ -30,16 +32,8 @@ constexpr double phase_lag = 1.4;  // a loop of damping 0.7 lags by 2 * 0.7 / (2
 constexpr double least_delay_error_s = 3e-4;
 constexpr double shortest_frame_s = 1.0 / 64.0;  // the camera's fastest rate
 constexpr double longest_frame_s = 2.0;          // and its slowest
+constexpr double shaft_reach_s = 2.0;            // before a frame: its low-pass, and telemetry's period
 constexpr double rest_from_knot_s = 17.0;        // half a stretch of the bias's course, and the way there
-
-/// Two measurements of one thing; where they contradict each other, neither is as good as it says.
-Estimate combined(const Estimate& a, const Estimate& b) {
-  const double weight_a = 1.0 / (a.uncertainty * a.uncertainty);
-  const double weight_b = 1.0 / (b.uncertainty * b.uncertainty);
-  const double value = (weight_a * a.value + weight_b * b.value) / (weight_a + weight_b);
-  const double apart = std::abs(a.value - b.value) / std::hypot(a.uncertainty, b.uncertainty);
-  return {value, std::max(1.0, apart) / std::sqrt(weight_a + weight_b)};
-}
 
 /// Shaft angle per commanded angle: what the profile says, and what the gyro says as far as its own scale is
 /// known. No weight depends on the ratio: a gyro that shows a fiftieth would be fifty times as certain.
@@ -49,7 +43,7 @@ Estimate absolute_scale(const Estimate& ratio, const GyroErrors& errors, const S
   const Estimate by_gyro{ratio.value, std::hypot(ratio.uncertainty, profile.scale * gyro_share, 1e-6)};
   if (outlier == Witness::command) return by_gyro;
   const Estimate by_profile{profile.scale, std::max(profile.scale_uncertainty, 1e-6)};
-  return combined(by_gyro, by_profile);
+  return weighted_mean(std::array{by_gyro, by_profile});
 }
 
 /// Who says how fast the shaft turns is not known: so is its scale.
@@ -92,50 +86,45 @@ void note_noise(const GyroIntegral& gyro, double begin_s, double end_s, std::siz
   }
 }
 
-/// Angles of the model, gain, ripples and gyro_ratio in it.
+/// The shaft as labels have it (ShaftTrack), as the corrected gyro should see it.
 class FittedShaft {
  public:
-  FittedShaft(const ShaftCurve& curve, const ServoResponse& response, const PulseScale& scale)
-      : curve_(curve), response_(response), scale_(scale), slope_(response.gain, response.ripples, scale) {}
+  /// `reach_s`: how far before the latest time that was asked for one may ask.
+  FittedShaft(std::span<const TimedServo> servo, HostTime origin, const ServoProfile& profile,
+              const ServoResponse& response, double reach_s)
+      : left_(servo),
+        origin_(origin),
+        track_(profile, as_the_gyro_sees(response), from_s(LabelConfig().telemetry_gap_s), from_s(reach_s)) {}
 
-  /// Mean rate as the corrected gyro should see it. `near`: see first_after().
-  double mean_dps(double begin_s, double end_s, std::size_t& near) const {
-    const double parts = std::max(1.0, std::round((end_s - begin_s) / pulse_period_s));
-    const double step_s = (end_s - begin_s) / parts;
-    double turned_deg = 0.0;
-    double before_deg = curve_.angle_deg(begin_s - response_.delay_s, near);
-    for (double part = 1.0; part <= parts; part += 1.0) {
-      const double angle_deg = curve_.angle_deg(begin_s + part * step_s - response_.delay_s, near);
-      const double slope = scale_.continuous()
-                               ? slope_.gain((angle_deg - before_deg) / step_s)
-                               : slope_.at((angle_deg + before_deg) / 2.0, angle_deg > before_deg);
-      turned_deg += slope * (angle_deg - before_deg);
-      before_deg = angle_deg;
-    }
-    return response_.gyro_ratio.value * turned_deg / (end_s - begin_s);
+  double mean_dps(double begin_s, double end_s) {
+    const HostTime begin = origin_ + from_s(begin_s), end = origin_ + from_s(end_s);
+    for (; !left_.empty() && !track_.reaches(end); left_ = left_.subspan(1)) track_.add(left_.front());
+    return track_.mean_dps(begin, end);
   }
 
  private:
-  const ShaftCurve& curve_;
-  const ServoResponse& response_;
-  PulseScale scale_;
-  ShaftSlope slope_;
+  static ServoResponse as_the_gyro_sees(ServoResponse response) {
+    response.scale = response.gyro_ratio;
+    return response;
+  }
+
+  std::span<const TimedServo> left_;  // that the track has not been told
+  HostTime origin_;
+  ShaftTrack track_;
 };
 
-std::map<long long, Residuals> residuals_of(const std::vector<Interval>& intervals, const FittedShaft& shaft,
+std::map<long long, Residuals> residuals_of(const std::vector<Interval>& intervals, FittedShaft& shaft,
                                             const GyroIntegral& gyro, const LowPass& low_pass,
                                             const GainFit& gain, double settle, double frame_s) {
   std::map<long long, Residuals> by_speed;  // by centidegrees per second
-  std::size_t near_gyro = 0, near_shaft = 0;
+  std::size_t near_gyro = 0;
   for (const Interval& interval : intervals) {
     if (interval.leg == 0) continue;  // on the way to a start: nobody planned that speed
     for (double from_s = interval.begin_s + settle; from_s + frame_s <= interval.end_s; from_s += frame_s) {
       const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s, near_gyro) - gain.bias_at(from_s);
       if (!std::isfinite(rate_dps)) continue;
       Residuals& residuals = by_speed[std::llround(100.0 * interval.rate_dps)];
-      const auto mean = [&](double begin_s, double end_s) {
-        return shaft.mean_dps(begin_s, end_s, near_shaft);
-      };
+      const auto mean = [&](double begin_s, double end_s) { return shaft.mean_dps(begin_s, end_s); };
       const double shown_dps = low_pass.shown_dps(from_s, from_s + frame_s, mean);
       residuals.add(rate_dps - shown_dps, mean(from_s, from_s + frame_s) - shown_dps);
       note_noise(gyro, from_s, from_s + frame_s, near_gyro, residuals);
@@ -285,9 +274,9 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
   response.ripples = gain->ripples;
   response.scale = absolute_scale(gain->ratio, errors, profile, outlier);
   response.scale_calibrated = response.scale_calibrated || errors.scale_calibrated;
-  const FittedShaft shaft(curve, response, scale);
   note_bias_course(*gain, origin, errors);
   const double frame_s = std::clamp(frame_period_s, shortest_frame_s, longest_frame_s);
+  FittedShaft shaft(servo, origin, profile, response, frame_s + shaft_reach_s);
   const LowPass low_pass(errors.filter_delay_s.value);
   note_residuals(response, residuals_of(legs, shaft, integral, low_pass, *gain, settle_s(response), frame_s),
                  frame_s, integral.period_s());

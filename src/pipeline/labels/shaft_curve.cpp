@@ -5,15 +5,12 @@
 
 #include "first_after.h"
 #include "hermite.h"
+#include "thermorig/pipeline/labels/label_config.h"
 
 namespace thermorig::labels {
 
-namespace {
-constexpr HostDuration telemetry_gap = std::chrono::milliseconds(50);
-}  // namespace
-
 std::vector<PulseAt> all_pulses(std::span<const TimedServo> servo, const PulseScale& scale, HostTime origin) {
-  PulseTrain train(scale, telemetry_gap);
+  PulseTrain train(scale, from_s(LabelConfig().telemetry_gap_s));
   std::vector<Pulse> found;
   std::vector<PulseAt> pulses;
   for (const TimedServo& message : servo) {

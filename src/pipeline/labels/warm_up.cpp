@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::labels {
 
 void WarmUp::Point::add(double frame_after_s, double frame_temp_c) {
@@ -13,24 +15,11 @@ void WarmUp::Point::add(double frame_after_s, double frame_temp_c) {
 }
 
 double WarmUp::slope_k_per_s() const {
+  LineFit line;
   const auto points = points_.all();
-  const auto time_s = [&](const Point& point) {
-    return to_s(point.time - points.front().time) + point.after_s;
-  };
-  double count = 0.0, mean_s = 0.0, mean_c = 0.0, product = 0.0, square = 0.0;
-  for (const Point& point : points) {
-    count += point.count;
-    mean_s += point.count * time_s(point);
-    mean_c += point.count * point.temp_c;
-  }
-  mean_s /= count;
-  mean_c /= count;
-  for (const Point& point : points) {
-    const double off_s = time_s(point) - mean_s;
-    product += point.count * off_s * (point.temp_c - mean_c);
-    square += point.count * off_s * off_s;
-  }
-  return square > 0.0 ? product / square : 0.0;
+  for (const Point& point : points)
+    line.add(to_s(point.time - points.front().time) + point.after_s, point.temp_c, point.count);
+  return line.slope();
 }
 
 bool WarmUp::push(HostTime time, float sensor_temp_c) {

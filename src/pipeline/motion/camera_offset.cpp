@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "evidence.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/motion/panorama_fit.h"
-#include "weighted_mean.h"
 #include "windows.h"
 
 namespace thermorig::motion {
@@ -87,31 +87,17 @@ struct RowLine {
 };
 
 std::optional<RowLine> line_through(const std::vector<BandOffset>& told) {
-  double weights = 0.0, rows = 0.0, squares = 0.0, offsets = 0.0, products = 0.0;
-  for (const BandOffset& band : told) {
-    const double weight = 1.0 / (band.offset_s.uncertainty * band.offset_s.uncertainty);
-    const double row = band.row - middle_row;
-    weights += weight;
-    rows += weight * row;
-    squares += weight * row * row;
-    offsets += weight * band.offset_s.value;
-    products += weight * row * band.offset_s.value;
-  }
-  const double determinant = weights * squares - rows * rows;
-  if (!(determinant > least_leverage_rows2 * weights * weights)) return std::nullopt;
-  const double slope = (weights * products - rows * offsets) / determinant;
-  RowLine line{{(squares * offsets - rows * products) / determinant, std::sqrt(squares / determinant)},
-               {slope, std::sqrt(weights / determinant)}};
-  double chi_square = 0.0;
+  LineFit line;
   for (const BandOffset& band : told)
-    chi_square += std::pow((band.offset_s.value - line.middle_s.value - slope * (band.row - middle_row)) /
-                               band.offset_s.uncertainty,
-                           2);
+    line.add(band.row - middle_row, band.offset_s.value, std::pow(band.offset_s.uncertainty, -2));
+  if (!(line.squares_x() > least_leverage_rows2 * line.weights())) return std::nullopt;
   const double freedom = std::max(1.0, static_cast<double>(told.size()) - 2.0);
-  const double widened = std::sqrt(std::max(1.0, chi_square / freedom));
-  line.middle_s.uncertainty = widened * std::hypot(line.middle_s.uncertainty, row_error * slope);
-  line.slope_s.uncertainty *= widened;
-  return line;
+  const double widened = std::sqrt(std::max(1.0, line.residual_squares() / freedom));
+  const double slope_uncertainty_s = 1.0 / std::sqrt(line.squares_x());
+  const double middle_uncertainty_s =
+      std::hypot(1.0 / std::sqrt(line.weights()), line.mean_x() * slope_uncertainty_s);
+  return RowLine{{line.at(0.0), widened * std::hypot(middle_uncertainty_s, row_error * line.slope())},
+                 {line.slope(), widened * slope_uncertainty_s}};
 }
 
 /// How the rows of some windows follow one another. `offset_tried_s`: of all rows together.

@@ -8,7 +8,6 @@
 #include "evidence.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/motion/panorama_fit.h"
-#include "weighted_mean.h"
 #include "windows.h"
 
 namespace thermorig::motion {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {
@@ -12,30 +13,12 @@ namespace {
 
 constexpr double least_uncertainty = 1e-9;  // one that is stated as nothing must not outweigh all others
 
-/// Weighted by 1 / uncertainty^2. Where the values differ by more than they claim to know, their scatter
-/// decides (the Birge ratio of metrology).
-Estimate weighted_mean(std::span<const Estimate> estimates) {
-  double weights = 0.0, sum = 0.0, chi2 = 0.0;
-  const auto weight = [](const Estimate& estimate) {
-    const double uncertainty = std::max(estimate.uncertainty, least_uncertainty);
-    return 1.0 / (uncertainty * uncertainty);
-  };
-  for (const Estimate& estimate : estimates) {
-    weights += weight(estimate);
-    sum += weight(estimate) * estimate.value;
-  }
-  const double mean = sum / weights;
-  for (const Estimate& estimate : estimates)
-    chi2 += weight(estimate) * (estimate.value - mean) * (estimate.value - mean);
-  const double freedom = std::max(1.0, static_cast<double>(estimates.size()) - 1.0);
-  return {mean, std::sqrt(std::max(1.0, chi2 / freedom) / weights)};
-}
-
 template <typename Result, typename Value>
 Estimate mean_of(std::span<const Result> results, Value value) {
   std::vector<Estimate> estimates;
   for (const Result& result : results)
-    if (const std::optional<Estimate> estimate = value(result)) estimates.push_back(*estimate);
+    if (const std::optional<Estimate> estimate = value(result))
+      estimates.push_back({estimate->value, std::max(estimate->uncertainty, least_uncertainty)});
   return weighted_mean(estimates);
 }
 

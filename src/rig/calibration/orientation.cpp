@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/labels/servo_response.h"
 #include "thermorig/pipeline/motion/panorama_fit.h"
 #include "thermorig/rig/calibration/calibration.h"
@@ -22,26 +23,6 @@ constexpr double least_moving_dps = 5.0;
 [[noreturn]] void refuse_orientation(const std::string& what, const std::string& advice) {
   throw Error(ExitCode::finished_lossy, what, "calibrate orientation", advice);
 }
-
-/// Correlation of two series that come in pairs.
-class Correlation {
- public:
-  void add(double x, double y) {
-    count_ += 1;
-    const double dx = x - mean_x_, dy = y - mean_y_;
-    mean_x_ += dx / count_;
-    mean_y_ += dy / count_;
-    xx_ += dx * (x - mean_x_);
-    yy_ += dy * (y - mean_y_);
-    xy_ += dx * (y - mean_y_);
-  }
-  double value() const { return xx_ > 0 && yy_ > 0 ? xy_ / std::sqrt(xx_ * yy_) : 0.0; }
-  double slope() const { return xx_ > 0 ? xy_ / xx_ : 0.0; }  // of y over x
-  double spread_x() const { return count_ > 0 ? std::sqrt(xx_ / count_) : 0.0; }
-
- private:
-  double count_ = 0, mean_x_ = 0, mean_y_ = 0, xx_ = 0, yy_ = 0, xy_ = 0;
-};
 
 /// The commanded speed at times that only grow; none where telemetry does not reach.
 class CommandedRate {
@@ -66,7 +47,7 @@ class CommandedRate {
 }  // namespace
 
 GyroAxis measure_axis(const session::Session& session) {
-  std::array<Correlation, 3> axes;
+  std::array<LineFit, 3> axes;  // of commanded and measured speed
   CommandedRate commanded(session.servo);
   const HostDuration delay = from_s(session.sync.servo.delay_s);
   for (const TimedGyro& sample : session.gyro) {
@@ -81,12 +62,13 @@ GyroAxis measure_axis(const session::Session& session) {
   double moving_dps = 0.0, most = 0.0, next = 0.0;
   GyroAxis best;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    moving_dps = std::max(moving_dps, axes[axis].spread_x());
+    moving_dps =
+        std::max(moving_dps, std::sqrt(axes[axis].squares_x() / std::max(1.0, axes[axis].weights())));
     const double shown = std::abs(axes[axis].slope());
     next = std::max(next, std::min(shown, most));
     if (shown <= most) continue;
     most = shown;
-    const double followed = axes[axis].value();
+    const double followed = axes[axis].correlation();
     best = {static_cast<int>(axis), followed < 0 ? -1 : 1, shown, std::abs(followed)};
   }
   if (moving_dps < least_moving_dps)

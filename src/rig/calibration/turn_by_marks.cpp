@@ -6,6 +6,7 @@
 
 #include "rest.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/gyro_blocks.h"
 #include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {
@@ -27,18 +28,12 @@ struct Turn {
   double duration_s = 0.0;
 };
 
-std::span<const TimedGyro> within(std::span<const TimedGyro> gyro, const Rest& rest) {
-  const auto before = [](const TimedGyro& sample, HostTime time) { return sample.stamp.time < time; };
-  const auto begin = std::lower_bound(gyro.begin(), gyro.end(), rest.begin, before);
-  return {begin, std::lower_bound(begin, gyro.end(), rest.end, before)};
-}
-
 /// From the first motion to the last one in a rest of the servo, with a margin; none if nothing moved.
 std::optional<Rest> moving_part(std::span<const TimedGyro> gyro, const Rest& rest,
                                 const RestingGyro& resting) {
   const double moving_dps = std::max(slowest_turn_dps, 8.0 * resting.noise_dps);
   Rest moving{rest.end, rest.begin};
-  for (const TimedGyro& sample : within(gyro, rest)) {
+  for (const TimedGyro& sample : between(gyro, rest.begin, rest.end)) {
     if (std::abs(sample.rate_dps - resting.bias_dps) < moving_dps) continue;
     moving.begin = std::min(moving.begin, sample.stamp.time);
     moving.end = std::max(moving.end, sample.stamp.time);
@@ -51,7 +46,7 @@ std::optional<Rest> moving_part(std::span<const TimedGyro> gyro, const Rest& res
 Turn integrate(std::span<const TimedGyro> gyro, const Rest& rest, double bias_dps) {
   Turn turn;
   const TimedGyro* before = nullptr;
-  for (const TimedGyro& sample : within(gyro, rest)) {
+  for (const TimedGyro& sample : between(gyro, rest.begin, rest.end)) {
     if (sample.reading.saturated)
       refuse_scale("the gyro was turned faster than it can measure",
                    "turn the rig more slowly: 10 s or more");

@@ -22,12 +22,8 @@ constexpr auto shaft_follows = std::chrono::milliseconds(300);    // what was co
 constexpr double lively_share = 0.25;  // of the samples in which an axis changes: below, 1 s may pass without
 constexpr std::ptrdiff_t lively_axes = 2;
 
-bool all_zero(const std::array<float, 3>& rate_dps) {
-  return std::all_of(rate_dps.begin(), rate_dps.end(), [](float rate) { return rate == 0.0F; });
-}
-
-std::string gyro_text(const std::array<float, 3>& rate_dps) {
-  if (all_zero(rate_dps))
+std::string gyro_text(const GyroReading& reading) {
+  if (reading.is_zero())
     return "it has read exactly 0 for 1 s while the servo was told to turn: it hangs, or the servo does not "
            "turn";
   return "it has sent the same sample for 1 s while the servo turned: it hangs";
@@ -99,14 +95,13 @@ bool FrozenWatch::outlives_a_change(HostTime now) {
 
 bool FrozenWatch::gyro(const TimedGyro& sample) {
   const HostTime now = sample.stamp.arrival;
-  const std::array<float, 3> rate_dps{sample.reading.rate_dps[0], sample.reading.rate_dps[1],
-                                      sample.reading.rate_dps[2]};
+  const std::array<float, 3>& rate_dps = sample.reading.rate_dps;
   const bool is_turning = turns(now);
   if (is_turning) note_changes(rate_dps);
   const bool repeats_last = last_rate_dps_ == rate_dps;
   last_rate_dps_ = rate_dps;
   // Zeros are what a sound one may read at rest.
-  if (stuck_rate_dps_ == rate_dps && (is_turning || !all_zero(rate_dps))) return false;
+  if (stuck_rate_dps_ == rate_dps && (is_turning || !sample.reading.is_zero())) return false;
   stuck_rate_dps_.reset();
   if (!repeats_last || !is_turning || sample.reading.saturated) {
     begin(Device::gyro, now);
@@ -114,11 +109,11 @@ bool FrozenWatch::gyro(const TimedGyro& sample) {
     speed_changed_ = false;
     return true;
   }
-  const bool ought_to_differ = outlives_a_change(now) || all_zero(rate_dps) || is_lively();
+  const bool ought_to_differ = outlives_a_change(now) || sample.reading.is_zero() || is_lively();
   Repeats& repeats = repeats_[Device::gyro];
   ++repeats.count;
   if (ought_to_differ && repeats.last(now, fewest_samples, samples_span)) {
-    trouble_[Device::gyro] = gyro_text(rate_dps);
+    trouble_[Device::gyro] = gyro_text(sample.reading);
     stuck_rate_dps_ = rate_dps;
   }
   return true;

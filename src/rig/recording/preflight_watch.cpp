@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "thermorig/core/auto_zero.h"
+#include "thermorig/core/gyro_blocks.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/labels/freshness.h"
 #include "thermorig/pipeline/timing/own_time.h"
@@ -60,20 +61,6 @@ std::string why_own_time_unused(const std::deque<Entry>& heard, const GyroProfil
   return timing::why_no_sample_times(times, profile.output_rate_hz, rate_error_max);
 }
 
-/// Slope of the straight line through (x, y), least squares.
-double slope(const std::vector<double>& x, const std::vector<double>& y) {
-  const auto count = static_cast<double>(x.size());
-  double sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    sum_x += x[i];
-    sum_y += y[i];
-    sum_xx += x[i] * x[i];
-    sum_xy += x[i] * y[i];
-  }
-  const double spread = count * sum_xx - sum_x * sum_x;
-  return spread > 0.0 ? (count * sum_xy - sum_x * sum_y) / spread : 0.0;
-}
-
 /// Where halves are lost at all, what the frames lack to the nominal rate is what was lost: two of them in a
 /// row change no turn, and so show in the rate alone.
 double lost_half_share(double seen, const PreflightStream& camera) {
@@ -123,7 +110,7 @@ void PreflightWatch::frame(const TimedFrame& frame) {
 void PreflightWatch::gyro(const TimedGyro& gyro) {
   if (!begin_) return;
   hear(Device::gyro, gyro.stamp, {.device_us = gyro.reading.device_time_us});
-  rates_.push_back({gyro.stamp.arrival, gyro.reading.rate_dps, gyro.rate_dps});
+  rates_.push_back({gyro.stamp.arrival, gyro});
   forget_old(rates_);
 }
 
@@ -203,59 +190,37 @@ std::optional<PreflightImages> PreflightWatch::images() const {
                         .repeated_share = share_of([](const Image& image) { return image.repeats; })};
   const double lost_halves = share_of([](const Image& image) { return image.half_lost; });
   facts.lost_half_share = lost_halves / (1.0 + lost_halves);
-  std::vector<double> minutes, temperatures_c;
-  for (const Image& image : images_) {
-    minutes.push_back(to_s(image.time - images_.front().time) / 60.0);
-    temperatures_c.push_back(image.sensor_c);
-  }
-  facts.sensor_drift_c_per_min = slope(minutes, temperatures_c);
+  LineFit warming;
+  for (const Image& image : images_)
+    warming.add(to_s(image.time - images_.front().time) / 60.0, image.sensor_c);
+  facts.sensor_drift_c_per_min = warming.slope();
   return facts;
-}
-
-/// Those that are not exactly 0 about all axes.
-std::vector<PreflightWatch::Rate> PreflightWatch::measured_rates() const {
-  std::vector<Rate> rates;
-  std::copy_if(rates_.begin(), rates_.end(), std::back_inserter(rates),
-               [](const Rate& rate) { return rate.axes_dps != std::array<float, 3>{}; });
-  return rates;
 }
 
 std::optional<PreflightRest> PreflightWatch::rest() const {
   if (rates_.size() < 2) return std::nullopt;
   PreflightRest facts;
   AutoZero zeros;
-  for (const Rate& rate : rates_) zeros.add(rate.axes_dps);
+  for (const Rate& rate : rates_) zeros.add(rate.sample.reading);
   facts.zeroes_itself = zeros.is_seen();
-  // The step from its bias to zero is none that the rig made.
-  const std::vector<Rate> rates =
-      facts.zeroes_itself ? measured_rates() : std::vector(rates_.begin(), rates_.end());
-  if (rates.empty()) return facts;
-  for (const Rate& rate : rates) facts.mean_dps += double{rate.shaft_dps};
-  facts.mean_dps /= static_cast<double>(rates.size());
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    double sum = 0.0, squares = 0.0, part_sum = 0.0, least = 0.0, most = 0.0;
-    std::size_t in_part = 0, parts = 0;
-    HostTime part_begin = rates.front().time;
-    for (const Rate& rate : rates) {
-      if (rate.time - part_begin >= part && in_part > 0) {
-        const double mean = part_sum / static_cast<double>(in_part);
-        least = parts == 0 ? mean : std::min(least, mean);
-        most = parts == 0 ? mean : std::max(most, mean);
-        ++parts;
-        part_begin = rate.time;
-        part_sum = 0.0;
-        in_part = 0;
-      }
-      const double value = double{rate.axes_dps[axis]};
-      sum += value;
-      squares += value * value;
-      part_sum += value;
-      ++in_part;
-    }
-    const auto count = static_cast<double>(rates.size());
-    const double variance = squares / count - (sum / count) * (sum / count);
-    facts.noise_dps = std::max(facts.noise_dps, std::sqrt(std::max(0.0, variance)));
-    facts.swing_dps = std::max(facts.swing_dps, most - least);
+  GyroBlock all;
+  std::vector<GyroBlock> parts;
+  for (const auto& [time, sample] : rates_) {
+    // The step from its bias to zero is none that the rig made.
+    if (facts.zeroes_itself && sample.reading.is_zero()) continue;
+    if (parts.empty() || time - parts.back().begin >= part)
+      parts.push_back({.begin = time, .shaft_dps = {}, .axes_dps = {}});
+    all.add(sample);
+    parts.back().add(sample);
+  }
+  if (parts.empty()) return facts;
+  parts.pop_back();  // which is not over
+  facts.mean_dps = all.mean_dps();
+  facts.noise_dps = all.largest_deviation_dps();
+  for (std::size_t axis = 0; axis < 3 && !parts.empty(); ++axis) {
+    const auto mean = [axis](const GyroBlock& block) { return block.axes_dps[axis].mean(); };
+    const auto [least, most] = std::ranges::minmax(parts, {}, mean);
+    facts.swing_dps = std::max(facts.swing_dps, mean(most) - mean(least));
   }
   return facts;
 }

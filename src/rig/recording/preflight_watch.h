@@ -61,8 +61,7 @@ class PreflightWatch {
   };
   struct Rate {
     HostTime time{};
-    std::array<float, 3> axes_dps{};
-    float shaft_dps = 0.0F;
+    TimedGyro sample;
   };
   struct Counted {
     HostTime time{};
@@ -80,7 +79,6 @@ class PreflightWatch {
   double span_s(Device device, HostTime now, double period_s) const;
   std::optional<PreflightImages> images() const;
   std::optional<PreflightRest> rest() const;
-  std::vector<Rate> measured_rates() const;
   PreflightAnswers answers(const PreflightCounts& counts) const;
 
   std::optional<HostTime> begin_;

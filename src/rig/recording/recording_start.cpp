@@ -8,6 +8,7 @@
 #include <random>
 #include <utility>
 
+#include "thermorig/io/files/part_file.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
 
@@ -69,7 +70,7 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
   header.estimators = options.estimators;
   header.creator = options.creator;
   header.creator_git = options.creator_git;
-  header.host_name = io::host_name();
+  header.host_name = files::host_name();
   header.kernel = io::kernel_release();
   return header;
 }

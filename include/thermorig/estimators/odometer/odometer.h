@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -9,31 +8,18 @@
 
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/core/rate_estimate.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {
 
-enum class State : std::uint8_t {
-  starting,      // bias and map are being learnt
-  tracking,      // the heading is that of the map, within its sigma
-  relocalising,  // the map is there, and where the camera looks in it is being searched for
-  not_trusted    // see the reason
-};
-
-enum class Reason : std::uint8_t {
-  none,
-  no_gyro,      // no sample for a quarter of a second
-  gyro_frozen,  // its samples repeat each other bit by bit
-  no_camera,    // no half that is new
-  view_differs  // what the camera shows does not fit the map: it is covered, or the gyro is wrong
-};
-
 /// What is said when a frame has come, at the end of its exposure. As long as the map has not closed, its
 /// degrees, which the lens makes, are as long as what the profile says of lens and gyro makes likeliest.
 struct Report {
-  State state = State::starting;
-  Reason reason = Reason::none;
+  // starting: bias and map are being learnt; good: it tracks, the heading is that of the map
+  EstimateState state = EstimateState::starting;
+  EstimateReason reason = EstimateReason::none;
   double heading_deg = unknown;  // since the map's origin; whole turns are counted
   // Against the part of the map that is in view; and where that map was begun anew, how well the gyro had
   // carried the heading there. Where that is in doubt, it also holds how far it is from what the gyro says.

@@ -15,36 +15,6 @@ namespace {
 
 constexpr std::array<std::string_view, 4> odometer_values{"bias_dps", "scale", "latency_s", "nis"};
 
-EstimateState state_of(odometer::State state) {
-  switch (state) {
-    case odometer::State::starting:
-      return EstimateState::starting;
-    case odometer::State::tracking:
-      return EstimateState::good;
-    case odometer::State::relocalising:
-      return EstimateState::relocalising;
-    case odometer::State::not_trusted:
-      break;
-  }
-  return EstimateState::not_trusted;
-}
-
-EstimateReason reason_of(odometer::Reason reason) {
-  switch (reason) {
-    case odometer::Reason::none:
-      return EstimateReason::none;
-    case odometer::Reason::no_gyro:
-      return EstimateReason::no_gyro;
-    case odometer::Reason::gyro_frozen:
-      return EstimateReason::gyro_frozen;
-    case odometer::Reason::no_camera:
-      return EstimateReason::no_image;
-    case odometer::Reason::view_differs:
-      break;
-  }
-  return EstimateReason::view_differs;
-}
-
 class OdometerEstimator : public Estimator {
  public:
   explicit OdometerEstimator(const Setup& setup)
@@ -58,8 +28,8 @@ class OdometerEstimator : public Estimator {
         sigmas_.add(static_cast<float>(report.rate_sigma_dps));  // most is common to all
     estimate.angle_deg = report.heading_deg;
     estimate.angle_sigma_deg = static_cast<float>(report.heading_sigma_deg);
-    estimate.reason = reason_of(report.reason);
-    estimate.state = std::isfinite(estimate.rate_dps) ? state_of(report.state) : EstimateState::absent;
+    estimate.reason = report.reason;
+    estimate.state = std::isfinite(estimate.rate_dps) ? report.state : EstimateState::absent;
     rows_ = {report.rows, report.row_margin};
     estimate.values = {static_cast<float>(report.bias_dps), static_cast<float>(report.scale),
                        static_cast<float>(report.latency_s), static_cast<float>(report.mean_nis)};
