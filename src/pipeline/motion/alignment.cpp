@@ -75,7 +75,7 @@ Alignment::Alignment(std::span<HalfView> views, const AngleTrack& track, const L
 }
 
 double Alignment::uncertainty(Parameter parameter) const {
-  return std::sqrt(covariance_[parameter][parameter]);
+  return std::sqrt(covariance_(parameter, parameter));
 }
 
 /// Pixels, halves and trust stay as they are through many looks at the readings.
@@ -233,8 +233,8 @@ void Alignment::add_view(const Comparison& comparison, std::size_t index, Totals
   totals.weight_sum += weight;
   totals.lean[index] = static_cast<double>(lean.sum());
   const Parameters& change = totals.change[index] = angles_.change(index, parameters_);
-  add_product(totals.curvature, static_cast<double>(steepness.sum()), change, change);
-  for (std::size_t p = 0; p < parameter_count; ++p) totals.gradient[p] += change[p] * totals.lean[index];
+  totals.curvature += static_cast<double>(steepness.sum()) * change * change.transpose();
+  totals.gradient += change * totals.lean[index];
 }
 
 Alignment::Totals Alignment::compare_all() {
@@ -277,9 +277,9 @@ void Alignment::add_push(const Comparison& comparison, std::size_t index, Totals
 void Alignment::eliminate_map(Totals& totals) const {
   for (std::size_t i = 0; i < map_.size(); ++i) {
     if (map_.weight()[i] <= 0.0F) continue;
-    Parameters push{};
+    Parameters push;
     for (std::size_t p = 0; p < parameter_count; ++p) push[p] = static_cast<double>(totals.push[p][i]);
-    add_product(totals.curvature, -1.0 / static_cast<double>(map_.weight()[i]), push, push);
+    totals.curvature += -1.0 / static_cast<double>(map_.weight()[i]) * push * push.transpose();
   }
 }
 
@@ -306,16 +306,14 @@ void Alignment::learn_trust() {
 
 Matrix Alignment::with_prior(const Matrix& information) const {
   Matrix sum = information;
-  for (std::size_t p = 0; p < parameter_count; ++p)
-    sum[p][p] += 1.0 / (prior_.uncertainty[p] * prior_.uncertainty[p]);
+  sum.diagonal() += prior_.uncertainty.cwiseAbs2().cwiseInverse();
   return sum;
 }
 
 double Alignment::mean_square_shift(const Totals& totals, const Parameters& change) const {
   double square = 0.0;
   for (const Parameters& angle : totals.change) {
-    double shift_deg = 0.0;
-    for (std::size_t p = 0; p < parameter_count; ++p) shift_deg += angle[p] * change[p];
+    const double shift_deg = angle.dot(change);
     square += shift_deg * shift_deg;
   }
   return square / static_cast<double>(totals.change.size());
@@ -324,18 +322,16 @@ double Alignment::mean_square_shift(const Totals& totals, const Parameters& chan
 /// One step of Gauss-Newton. True when it was too small to matter to what is asked: other parameters may
 /// still creep along where panorama and pixels can make up for them.
 bool Alignment::step(const Totals& totals, Parameter asked) {
-  Parameters gradient{};
-  for (std::size_t p = 0; p < parameter_count; ++p)
-    gradient[p] = totals.gradient[p] / noise_variance_ +
-                  (prior_.mean[p] - parameters_[p]) / (prior_.uncertainty[p] * prior_.uncertainty[p]);
-  const Matrix covariance = inverse(with_prior(scaled(totals.curvature, 1.0 / noise_variance_)));
-  const Parameters change = product(covariance, gradient);
+  const Parameters gradient = totals.gradient / noise_variance_ +
+                              (prior_.mean - parameters_).cwiseQuotient(prior_.uncertainty.cwiseAbs2());
+  const Matrix covariance = inverse(with_prior(totals.curvature * (1.0 / noise_variance_)));
+  const Parameters change = covariance * gradient;
   const double shift_deg = std::sqrt(mean_square_shift(totals, change));
   if (!std::isfinite(shift_deg)) return true;  // nothing to go by
   const double share = std::min(1.0, longest_step_pixels * layout_.pitch_deg / std::max(shift_deg, 1e-12));
-  for (std::size_t p = 0; p < parameter_count; ++p) parameters_[p] += share * change[p];
+  parameters_ += share * change;
   parameters_[scale] = std::clamp(parameters_[scale], 0.5 * prior_.mean[scale], 2.0 * prior_.mean[scale]);
-  return std::abs(change[asked]) < settled_share * std::sqrt(covariance[asked][asked]);
+  return std::abs(change[asked]) < settled_share * std::sqrt(covariance(asked, asked));
 }
 
 void Alignment::refine(const Parameters& start, Parameter asked) {

@@ -7,7 +7,6 @@
 
 #include "angle_model.h"
 #include "half_view.h"
-#include "normal_equations.h"
 #include "panorama_map.h"
 #include "pixel_model.h"
 
@@ -74,8 +73,8 @@ class Alignment {
     float common;  // to all its residuals
   };
   struct Totals {  // what one look at all halves adds up to
-    Parameters gradient{};
-    Matrix curvature{};
+    Parameters gradient = Parameters::Zero();
+    Matrix curvature = Matrix::Zero();
     std::vector<Parameters> change;                        // of each view's angle with the parameters
     std::vector<double> lean;                              // sum of slope times residual of each view
     std::array<PanoramaMap::Cells, parameter_count> push;  // of the panorama's cells by each parameter
@@ -94,6 +93,7 @@ class Alignment {
   void learn_noise(const Totals& totals);
   void learn_trust();
   Matrix with_prior(const Matrix& information) const;
+  static Matrix inverse(const Matrix& matrix);
   double mean_square_shift(const Totals& totals, const Parameters& change) const;
   bool step(const Totals& totals, Parameter asked);
   Parameters pull(const Comparison& comparison, std::size_t index, const Totals& totals) const;
@@ -110,8 +110,8 @@ class Alignment {
   std::vector<float> half_offset_c_;  // common to a half
   std::vector<Readings> readings_;    // by what is known of pixels and halves
   double noise_variance_ = 1.0;
-  Parameters parameters_{};
-  Matrix covariance_{};
+  Parameters parameters_ = Parameters::Zero();
+  Matrix covariance_ = Matrix::Zero();
   double contrast_ = 0.0;
   std::vector<double> misfit_;
   double reading_count_ = 1.0;

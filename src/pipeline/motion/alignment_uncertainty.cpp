@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How well an alignment knows its parameters.
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -16,8 +17,7 @@ constexpr float least_seen_weight = 1e-3F;
 
 /// How each view pulls at the parameters, the panorama's share taken out.
 Parameters Alignment::pull(const Comparison& comparison, std::size_t index, const Totals& totals) const {
-  Parameters pull{};
-  for (std::size_t p = 0; p < parameter_count; ++p) pull[p] = totals.change[index][p] * totals.lean[index];
+  Parameters pull = totals.change[index] * totals.lean[index];
   for (std::size_t column = 0; column < frame_columns; ++column) {
     const auto [left, right, part] = PanoramaMap::between(places_[index], column);
     const ColumnPixels weighted =
@@ -36,19 +36,27 @@ Parameters Alignment::pull(const Comparison& comparison, std::size_t index, cons
 
 /// Blocks of the recording pull independently: sum of the squares of what each of them pulls.
 Matrix Alignment::spread_of_pulls(const Totals& totals) const {
-  Matrix spread{};
-  Parameters block{};
+  Matrix spread = Matrix::Zero();
+  Parameters block = Parameters::Zero();
   double blocks = 0.0;
   const auto block_of = [this](std::size_t i) { return std::floor(views_[i].half.begin_s / block_s); };
   for (std::size_t k = 0; k < views_.size(); ++k) {
-    const Parameters one = pull(compare(k), k, totals);
-    for (std::size_t p = 0; p < parameter_count; ++p) block[p] += one[p];
+    block += pull(compare(k), k, totals);
     if (k + 1 < views_.size() && block_of(k) == block_of(k + 1)) continue;
-    add_product(spread, 1.0, block, block);
-    block = {};
+    spread += block * block.transpose();
+    block.setZero();
     blocks += 1.0;
   }
-  return scaled(spread, blocks / std::max(1.0, blocks - 2.0));
+  return spread * (blocks / std::max(1.0, blocks - 2.0));
+}
+
+/// Of a symmetric positive definite one: priors on the diagonal keep it so. Rows and columns are scaled so
+/// that the diagonal is 1, as parameters differ by many powers of ten.
+Matrix Alignment::inverse(const Matrix& matrix) {
+  const Parameters scales =
+      matrix.diagonal().unaryExpr([](double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 0.0; });
+  const Matrix scaled = scales.asDiagonal() * matrix * scales.asDiagonal();
+  return scales.asDiagonal() * scaled.inverse() * scales.asDiagonal();
 }
 
 /// Sandwich: the spread of the blocks' pulls, through the inverse curvature, is the parameters' covariance.
@@ -58,10 +66,9 @@ void Alignment::judge(const Totals& totals) {
   const double steepness = map_.slope_squared();
   contrast_ = steepness > 0.0 ? std::max(0.0, 1.0 - map_.slope_noise(noise_variance_) / steepness) : 0.0;
   const double share = std::max(least_contrast, contrast_);
-  const Matrix inverted = inverse(with_prior(scaled(totals.curvature, share / noise_variance_)));
-  const Matrix spread =
-      with_prior(scaled(spread_of_pulls(totals), 1.0 / (noise_variance_ * noise_variance_)));
-  covariance_ = product(product(inverted, spread), inverted);
+  const Matrix inverted = inverse(with_prior(totals.curvature * (share / noise_variance_)));
+  const Matrix spread = with_prior(spread_of_pulls(totals) * (1.0 / (noise_variance_ * noise_variance_)));
+  covariance_ = inverted * spread * inverted;
 }
 
 }  // namespace thermorig::motion

@@ -1,19 +1,30 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 #include "half_view.h"
-#include "normal_equations.h"
 
 namespace thermorig::motion {
+
+/// What about the angles of the halves may differ from what stamps and gyro say.
+enum Parameter : std::size_t {
+  offset_s = 0,         // the camera is so much later than its stamps say
+  bias_dps = 1,         // of the gyro, in the middle of the halves
+  drift_dps_per_s = 2,  // of that bias
+  scale = 3,            // gyro's rate per true rate
+  parameter_count = 4
+};
+using Parameters = Eigen::Matrix<double, parameter_count, 1>;
+using Matrix = Eigen::Matrix<double, parameter_count, parameter_count>;
 
 /// What is known of the parameters beforehand.
 struct Prior {
   Parameters mean{0.0, 0.0, 0.0, 1.0};
-  Parameters uncertainty{};
+  Parameters uncertainty = Parameters::Zero();
 };
 
 /// The angle from which a half saw the surroundings, for any parameters: mean over its exposure of the gyro's

@@ -68,7 +68,7 @@ Turned turned_in(const Window& window, const Evidence& evidence) {
 
 /// What neighbouring images show, at the pitch that is stated.
 struct Valley {
-  Parameters parameters{};
+  Parameters parameters;
   double bias_uncertainty_dps = 0.0;
   double contrast = 0.0;
   double stated_pitch_deg = 0.0;
