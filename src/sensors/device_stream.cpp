@@ -23,14 +23,15 @@ void add_steps(std::span<const UsualBaud> bauds, const std::vector<std::uint8_t>
   for (const UsualBaud& usual : bauds) {
     const auto same = std::find_if(steps.begin(), steps.end(),
                                    [&](const auto& step) { return step.at.baud == usual.baud; });
-    if (same == steps.end()) {
+    const bool is_other_greeting = same != steps.end() && !same->greeting.empty() && !greeting.empty();
+    if (same == steps.end() || is_other_greeting) {
       steps.push_back({usual, greeting, only_if_silent});
       continue;
     }
     same->at.share = std::max(same->at.share, usual.share);
-    if (!same->greeting.empty() || !only_if_silent) continue;
+    if (greeting.empty()) continue;
     same->greeting = greeting;
-    same->only_if_silent = true;
+    same->only_if_silent = only_if_silent;
   }
 }
 

@@ -74,6 +74,27 @@ TEST(PulseTrain, TakesTheCommandWhereNoPulseIsReported) {
   EXPECT_EQ(found[0].value, 12.5);
 }
 
+/// As a Dynamixel sends them: counts of a 4096th of a turn, whole milliseconds, at no fixed times.
+TEST(PulseTrain, TakesASteadyCommandOnEvenlyWhereAnglesAndTimesHaveSteps) {
+  constexpr double rate_dps = 60.0, count_deg = 360.0 / 4096.0;
+  PulseTrain train{PulseScale(ServoProfile{}), from_s(0.12)};
+  std::vector<Pulse> found;
+  double time_s = 0.0;
+  for (const double step_s : {0.0201, 0.0227, 0.0214, 0.0455, 0.0206, 0.0219, 0.0233, 0.0208, 0.0224}) {
+    time_s += step_s;
+    TimedServo message;
+    message.mcu_time_us = static_cast<std::int64_t>(std::floor(time_s * 1e3)) * 1000;
+    message.state.angle_deg = std::floor(rate_dps * time_s / count_deg) * count_deg;
+    message.state.rate_dps = rate_dps;
+    train.add(message, found);
+  }
+  ASSERT_GT(found.size(), 30U);
+  for (std::size_t i = 5; i < found.size(); ++i) {
+    const double passed_s = 1e-6 * static_cast<double>(found[i].start_us - found[i - 5].start_us);
+    EXPECT_NEAR((found[i].value - found[i - 5].value) / passed_s, rate_dps, 0.2) << i;
+  }
+}
+
 TEST(PulseTrain, SurvivesAClockThatJumpsAndNumbersThatAreNone) {
   PulseTrain train{PulseScale(ServoProfile{}), from_s(0.05)};
   std::vector<Pulse> found;

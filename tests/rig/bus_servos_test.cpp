@@ -3,15 +3,21 @@
 // dies.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
+#include <thread>
 
 #include "simulated_bus.h"
+#include "thermorig/io/port.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/rig/recording/port_recording.h"
 #include "thermorig/rig/sweep/dynamixel_driver.h"
 #include "thermorig/sensors/servo_protocol.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
 #include "virtual_ports.h"
 
 namespace thermorig::rig::test::bus_servos {
@@ -104,7 +110,7 @@ TEST_F(DynamixelRig, OfAnotherIdIsNamed) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::device_missing);
-    EXPECT_THAT(error.what_happened(), HasSubstr("no servo of ID 3 answers a ping, but one of ID 1"));
+    EXPECT_THAT(error.what_happened(), HasSubstr("a servo of ID 1 answers, but none of ID 3"));
   }
 }
 
@@ -204,6 +210,60 @@ TEST(DynamixelWithoutAWatchdog, RestsAtTheEndOfItsLegAfterAKill) {
   const auto shaft = shaft_after_a_kill(config);
   EXPECT_LT(std::abs(shaft.back().rate_dps), rest_dps);
   EXPECT_LT(std::abs(shaft.back().angle_deg), config.profile.servo.travel_deg / 2.0);
+}
+
+/// By the clock: the recorder is a process of its own, which is stopped (SIGSTOP) in its first leg.
+class BusServoDrill : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Protocols, BusServoDrill, ::testing::Values("dynamixel"),
+                         [](const auto& protocol) { return std::string(protocol.param); });
+
+TEST_P(BusServoDrill, ARecorderThatIsStoppedOnPseudoTerminalsLeavesTheServoAtRest) {
+  const simulation::VirtualRigConfig config = rig_config(7, GetParam());
+  const TemporaryFolder folder;
+  SimulatedPorts ports(config, FirmwareChoice::host_build);
+  ports.keep_truth();
+  int moves[2];
+  ASSERT_EQ(pipe(moves), 0);
+  const pid_t recorder = fork();
+  if (recorder == 0) {
+    alarm(60);
+    PortOptions options;
+    options.recording = recording_options(folder, config.profile, two_legs(90.0, 80));
+    options.recording.virtual_time = false;
+    for (const Device device : all_devices)
+      options.recording.profile.link(device).port = ports.paths()[device];
+    options.progress_period = std::chrono::milliseconds(50);
+    options.progress = [&](const RecordingProgress& progress) {
+      if (progress.sweep.phase == SweepPhase::leg && progress.sweep.frames >= 4 &&
+          write(moves[1], "m", 1) < 1)
+        _exit(1);
+    };
+    SystemPortLoop loop;
+    try {
+      record_ports(options, loop);
+    } catch (const std::exception&) {
+    }
+    _exit(0);
+  }
+  close(moves[1]);
+  ports.start();
+  char moving = 0;
+  EXPECT_EQ(read(moves[0], &moving, 1), 1);
+  kill(recorder, SIGSTOP);
+  const HostTime stopped = io::now();
+  std::this_thread::sleep_for(std::chrono::milliseconds(900));
+  ports.stop();
+  kill(recorder, SIGKILL);
+  waitpid(recorder, nullptr, 0);
+  close(moves[0]);
+  double fastest_before = 0.0, fastest_after = 0.0;
+  for (const simulation::TruthSample& sample : ports.rig().shaft()) {
+    if (sample.time < stopped) fastest_before = std::max(fastest_before, std::abs(sample.rate_dps));
+    if (sample.time > stopped + from_s(until_rest_s))
+      fastest_after = std::max(fastest_after, std::abs(sample.rate_dps));
+  }
+  EXPECT_GT(fastest_before, moving_dps);
+  EXPECT_LT(fastest_after, rest_dps);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "support/at_s.h"
 #include "test_servos.h"
+#include "thermorig/rig/sweep/servo_commander.h"
 #include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::rig::test {

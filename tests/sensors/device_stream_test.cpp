@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/sensors/wire/device_bytes.h"
-#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::sensors {
 namespace {
@@ -46,26 +46,25 @@ TEST(DeviceStream, OfAGyroKnowsItsClockByTheProfile) {
   EXPECT_EQ(device_stream(Device::gyro, profile).clock.wrap_ticks, 0U);
 }
 
-TEST(SearchSteps, GoOverEveryUsualBaudRateOnceAndGreetTheServoLast) {
+TEST(SearchSteps, GoOverEveryUsualBaudRateAndGreetServosLast) {
   std::vector<std::uint32_t> bauds;
-  double shares = 0.0;
   const std::vector<SearchStep> steps = search_steps();
-  for (const SearchStep& step : steps) {
-    bauds.push_back(step.at.baud);
-    shares += step.at.share;
-  }
-  EXPECT_THAT(bauds, ElementsAre(460800, 115200, 9600, 1000000, 921600, 230400, 38400, 57600, 250000));
-  EXPECT_LE(shares, 1.0 + 1e-9);
-  EXPECT_EQ(steps.back().greeting, wire::hello_bytes(0));
-  EXPECT_FALSE(steps.back().only_if_silent);
+  for (const SearchStep& step : steps) bauds.push_back(step.at.baud);
+  EXPECT_THAT(bauds, ElementsAre(460800, 115200, 9600, 1000000, 921600, 230400, 38400, 57600, 250000, 1000000,
+                                 2000000, 115200));
+  const std::vector<std::uint8_t> nothing;
   const std::vector<std::uint8_t> ask_for_frames{0xA5, 0x35, 0x02, 0xDC};
-  for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
+  const std::vector<std::uint8_t> ask_the_stick = camera_protocol("i2c-stick").greeting();
+  const std::vector<std::uint8_t> ask_for_words = camera_protocol("mlx-raw").greeting();
+  const std::vector<std::uint8_t> hello = wire::hello_bytes(0);
+  const std::vector<std::uint8_t> ping = servo_protocol("dynamixel").greeting();
+  const std::vector<std::uint8_t> status = servo_protocol("grbl").greeting();
+  const std::vector greetings{ask_for_frames, ask_for_frames, ask_for_frames, ask_the_stick, nothing, nothing,
+                              nothing,        ping,           hello,          ping,          ping,    status};
+  for (std::size_t i = 0; i < steps.size(); ++i) {
     SCOPED_TRACE(steps[i].at.baud);
-    EXPECT_EQ(steps[i].only_if_silent, i < 5);
-    if (i == 3 || i == 4)
-      EXPECT_EQ(steps[i].greeting, camera_protocol(i == 3 ? "i2c-stick" : "mlx-raw").greeting());
-    else
-      EXPECT_EQ(steps[i].greeting, i < 3 ? ask_for_frames : std::vector<std::uint8_t>());
+    EXPECT_EQ(steps[i].greeting, greetings[i]);
+    EXPECT_EQ(steps[i].only_if_silent, greetings[i] != nothing && greetings[i] != hello);
   }
 }
 

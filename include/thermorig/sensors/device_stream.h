@@ -65,9 +65,10 @@ struct SearchStep {
   bool only_if_silent = false;         // greet once nothing came for a while: who speaks is left alone
 };
 
-/// Every usual baud rate once, with its largest share: those of cameras first, which are greeted where they
-/// are silent, then those of gyros, at last those at which one has to be greeted. The shares are of the time
-/// of the whole search.
+/// Every usual baud rate, with its largest share: those of cameras first, which are greeted where they are
+/// silent, then those of gyros, at last those of servos, which have to be greeted. A rate comes again where
+/// another greeting belongs to it. The shares are of the time in which cameras, gyros and our own servo board
+/// are found: to find other servos takes longer.
 std::vector<SearchStep> search_steps();
 
 }  // namespace thermorig::sensors

@@ -10,6 +10,8 @@ namespace thermorig::labels {
 
 namespace {
 constexpr double least_change = 1e-9;
+// So close that the steps from one to the next do not show in the shaft, however fast it follows.
+constexpr std::int64_t stand_in_us = 5'000;
 constexpr double share_of_step = 0.02;  // of what a message's angle differs by from the one that was taken on
 constexpr double latest_s = 0.03;       // more than this, by time or angle, is another motion
 constexpr double coarsest_deg = 0.2;
@@ -54,10 +56,13 @@ void PulseTrain::learn_phase(const TimedServo& servo, double value) {
 
 /// The pulses from the one after last_ up to `pulse`.
 void PulseTrain::fill(const TimedServo& servo, const Seen& pulse, std::vector<Pulse>& out) const {
-  const std::int64_t steps = std::max<std::int64_t>((pulse.time_us - last_->time_us) / period_us, 1);
+  const bool stands_in = servo.state.pulse_us <= 0.0F;
+  const std::int64_t span_us = pulse.time_us - last_->time_us;
+  const std::int64_t steps = std::max<std::int64_t>(span_us / (stands_in ? stand_in_us : period_us), 1);
+  const std::int64_t spacing_us = stands_in ? span_us / steps : period_us;
   for (std::int64_t i = 1; i <= steps; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(steps);
-    const std::int64_t start_us = pulse.time_us - (steps - i) * period_us;
+    const std::int64_t start_us = pulse.time_us - (steps - i) * spacing_us;
     const auto width_us =
         std::chrono::duration<double, std::micro>(static_cast<double>(servo.state.pulse_us));
     const auto age = std::chrono::microseconds(servo.mcu_time_us - start_us);
@@ -71,9 +76,10 @@ void PulseTrain::fill(const TimedServo& servo, const Seen& pulse, std::vector<Pu
 void PulseTrain::add(const TimedServo& servo, std::vector<Pulse>& out) {
   const bool unbroken = before_ && std::abs(servo.mcu_time_us - before_->time_us) <= gap_us_;
   const double now = unbroken ? taken_on(servo, value(servo.state)) : value(servo.state);
-  if (unbroken) learn_phase(servo, now);
+  if (unbroken && servo.state.pulse_us > 0.0F) learn_phase(servo, now);
   const Seen pulse{start_us(servo.mcu_time_us), now};
-  if (!unbroken) last_ = Seen{pulse.time_us - period_us, now};
+  const bool stands_in = servo.state.pulse_us <= 0.0F;
+  if (!unbroken) last_ = Seen{pulse.time_us - (stands_in ? stand_in_us : period_us), now};
   if (pulse.time_us > last_->time_us) {
     const std::size_t first = out.size();
     fill(servo, pulse, out);

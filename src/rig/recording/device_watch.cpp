@@ -66,6 +66,11 @@ Error silent_device(Device device, const RigProfile& profile, const FirstBytes& 
   const sensors::DeviceStream expected = sensors::device_stream(device, profile);
   if (evidence.role == device && evidence.protocol != expected.protocol)
     return other_protocol(device, evidence, expected.sends, where);
+  const auto id = evidence.found.settings.find("bus_id");
+  if (device == Device::servo && id != evidence.found.settings.end())
+    return {ExitCode::device_missing,
+            fmt::format("a servo of ID {:.0f} answers, but none of ID {}", id->second, profile.servo.bus_id),
+            where, fmt::format("say bus_id = {:.0f} in the [servo] section of the rig profile", id->second)};
   if (!evidence.found.advice.empty())
     return {ExitCode::device_missing, "it sends " + evidence.found.text, where, evidence.found.advice};
   if (evidence.role == device && evidence.found.text_format) {

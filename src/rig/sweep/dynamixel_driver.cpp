@@ -27,7 +27,7 @@ constexpr int tries = 6, ping_tries = 40;
 constexpr std::uint8_t watchdog_20ms = 10;       // 200 ms: a busy host speaks in time, a dead one not
 constexpr double command_age_s = 0.04;           // of telemetry by which a goal is chosen, until it is heard
 constexpr double one_turn_short_deg = 92'000.0;  // of the 256 turns either way that a goal may have
-constexpr std::uint8_t result_fail = 1, crc_error = 3, limit_error = 6, access_error = 7;
+constexpr std::uint8_t crc_error = 3;
 constexpr std::uint8_t error_mask = 0x7F;
 
 std::vector<std::uint8_t> one_byte(std::uint8_t value) {
@@ -342,15 +342,13 @@ void DynamixelDriver::take(const wire::ServoWelcome& welcome, HostTime arrived) 
   answered({}, arrived);
 }
 
-/// After its watchdog has tripped it takes no goal.
+/// After its watchdog has tripped it takes no goal, which telemetry may not have said yet.
 void DynamixelDriver::refused(std::uint8_t error) {
   const std::string what = steps_.front().what;
-  const bool is_told = stopping_ || error == access_error || error == result_fail || error == limit_error;
   const auto next =
       std::find_if(steps_.begin() + 1, steps_.end(), [](const Step& step) { return step.begins_command; });
   steps_.erase(steps_.begin(), next);
-  const bool tripped = servo_now_ && servo_now_->state.fault != ServoFault::none;
-  if (is_told && (stopping_ || tripped)) {
+  if (stopping_ || armed_) {
     refusal_ = SERVO_REASON_FAULT;
     return;
   }
