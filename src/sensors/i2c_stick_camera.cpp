@@ -71,6 +71,8 @@ class I2cStickScanner {
   /// What was heard, whether or not there was an image in it.
   std::uint64_t half_frames() const { return half_frames_; }
   std::uint64_t own_images() const { return own_images_; }
+  /// In a format that has no end mark, so that a lost byte would move all words behind it: not read.
+  std::uint64_t binary_half_frames() const { return binary_half_frames_; }
   bool has_eeprom() const { return has_eeprom_; }
   const std::string& eeprom_fault() const { return eeprom_fault_; }
 
@@ -106,6 +108,8 @@ class I2cStickScanner {
       return damage(size);
     }
     RawHalves::Words words{};
+    if (text.size() > stick_words_at && text.substr(stick_words_at).starts_with("BIN:"))
+      ++binary_half_frames_;
     if (text.size() < stick_words_at || !read_words(text.substr(stick_words_at), words)) {
       ++ledger_.counters.bad_length;
       return damage(size);
@@ -172,7 +176,7 @@ class I2cStickScanner {
   RawHalves halves_;
   std::string line_;
   bool is_whole_ = false;  // the line was heard from its beginning
-  std::uint64_t half_frames_ = 0, own_images_ = 0;
+  std::uint64_t half_frames_ = 0, own_images_ = 0, binary_half_frames_ = 0;
   bool has_eeprom_ = false;
   std::string eeprom_fault_;
 };
@@ -185,11 +189,15 @@ std::optional<Evidence> recognise_i2c_stick(std::span<const std::uint8_t> bytes)
   I2cStickScanner scanner;
   std::vector<CameraMessage> messages;
   scanner.push(bytes, messages);
-  const std::uint64_t heard = std::max(scanner.half_frames(), scanner.own_images());
+  const std::uint64_t heard =
+      std::max({scanner.half_frames(), scanner.own_images(), scanner.binary_half_frames()});
   if (heard == 0 && scanner.eeprom_fault().empty() && !scanner.has_eeprom()) return std::nullopt;
   std::string text = fmt::format("{} raw half-frame(s) of a Melexis I2C-Stick", scanner.half_frames());
   if (scanner.half_frames() == 0 && scanner.own_images() > 0)
     text = fmt::format("{} image(s) of a Melexis I2C-Stick, made by its own filters", scanner.own_images());
+  else if (scanner.half_frames() == 0 && scanner.binary_half_frames() > 0)
+    text = fmt::format("{} half-frame(s) of a Melexis I2C-Stick in its format BIN, which is not read",
+                       scanner.binary_half_frames());
   else if (!scanner.has_eeprom())
     text += ", without the sensor's EEPROM";
   Evidence evidence{.messages = std::max<std::uint64_t>(heard, 1),

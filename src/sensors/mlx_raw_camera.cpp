@@ -217,9 +217,10 @@ std::optional<Evidence> recognise_mlx_raw(Bytes bytes) {
                                                      fault.empty() ? 0 : bytes.size()),
                     .text = fmt::format("{} raw half-frame(s) of an MLX90640", scanner.half_frames()),
                     .text_format = {}};
+  if (heard == 0) evidence.text = "the EEPROM of an MLX90640, and no half-frame";
   if (scanner.own_images() > 0)
     evidence.text = fmt::format("{} image(s) of an MLX90642", scanner.own_images());
-  else if (!scanner.has_eeprom())
+  else if (heard > 0 && !scanner.has_eeprom())
     evidence.text += ", without the sensor's EEPROM";
   if (!scanner.bus_fault().empty())
     evidence.advice = scanner.bus_fault();

@@ -58,12 +58,22 @@ TEST_F(Record, TakesACameraWhoseSketchSendsItsImagesAsAnyOther) {
   EXPECT_EQ(files(".h5").size(), 2U);
 }
 
-/// It sends each half-frame only when it is asked for one.
-TEST_F(Record, TakesTheWordsOfARawCameraAndAsksForEach) {
-  const Outcome outcome = run(
-      "record --simulated=3 --fast --world honest --simulated-camera raw --environment raw " + brief_plan);
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(run("inspect --check " + files(".h5").at(0).string()).code, 0);
+/// A stick sends each half-frame only when it is asked for one, a bus once it is told the rate.
+TEST_F(Record, TakesTheWordsOfARawCamera) {
+  for (const std::string camera : {"raw", "i2c"}) {
+    const Outcome outcome = run("record --simulated=3 --fast --world honest --simulated-camera " + camera +
+                                " --environment " + camera + " " + brief_plan);
+    ASSERT_EQ(outcome.code, 0) << camera << outcome.err;
+  }
+  for (const auto& session : files(".h5")) EXPECT_EQ(run("inspect --check " + session.string()).code, 0);
+}
+
+TEST_F(Record, OfABusThatIsNotThereSaysHowToGetOne) {
+  const Outcome outcome =
+      run("record --environment kitchen --no-servo --camera /dev/i2c-99 --gyro /dev/null");
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("no such I2C bus"));
+  EXPECT_THAT(outcome.err, HasSubstr("raspi-config"));
 }
 
 TEST_F(Record, GivesEventsAsJsonLinesWithTheSummaryLast) {

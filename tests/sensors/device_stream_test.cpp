@@ -59,8 +59,9 @@ TEST(SearchSteps, GoOverEveryUsualBaudRateAndGreetServosLast) {
   const std::vector<std::uint8_t> hello = wire::hello_bytes(0);
   const std::vector<std::uint8_t> ping = servo_protocol("dynamixel").greeting();
   const std::vector<std::uint8_t> status = servo_protocol("grbl").greeting();
-  const std::vector greetings{ask_for_frames, ask_for_frames, ask_for_frames, ask_the_stick, nothing, nothing,
-                              nothing,        ping,           hello,          ping,          ping,    status};
+  const std::vector greetings{ask_for_frames, ask_for_frames, ask_for_frames, ask_the_stick,
+                              ask_for_words,  nothing,        nothing,        ping,
+                              hello,          ping,           ping,           status};
   for (std::size_t i = 0; i < steps.size(); ++i) {
     SCOPED_TRACE(steps[i].at.baud);
     EXPECT_EQ(steps[i].greeting, greetings[i]);

@@ -178,5 +178,14 @@ TEST(I2cStick, ItsOwnImagesAreRecognisedAsTheSticks) {
   EXPECT_TRUE(found[0].evidence.is_asked_otherwise);
 }
 
+/// It has no end mark. A recording asks for the other format.
+TEST(I2cStick, ItsFormatBinIsNamedAndNotRead) {
+  const std::string text = "raw:33:00012345:BIN:1:1668\r\n" + std::string(1668, '\x01');
+  const auto found = sensors::recognise(ByteVector(text.begin(), text.end()), 2.0);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].evidence.text, HasSubstr("in its format BIN, which is not read"));
+  EXPECT_TRUE(found[0].evidence.is_asked_otherwise);
+}
+
 }  // namespace
 }  // namespace thermorig::test::i2c_stick
