@@ -264,13 +264,16 @@ void add_inspect(CLI::App& root, Words& words) {
 
 void add_view(CLI::App& root, ViewOptions& view) {
   CLI::App& command = *root.add_subcommand("view", "Show a session in the browser: images, rates, validity");
-  command.add_option("SESSION", view.file, "Session file (.h5)")->required();
+  command.add_option("SESSION", view.file, "Session file (.h5), or a folder to choose one from")->required();
   command.add_option("--page-port", view.port, "Port of the page on this computer (0: any free one)")
       ->check(CLI::Range(0, 65535))
       ->type_name("N")
       ->capture_default_str();
   add_json(command, view.json);
-  command.footer("Example:\n  thermorig view session.h5");
+  command.footer(
+      "Examples:\n"
+      "  thermorig view session.h5\n"
+      "  thermorig view recordings/garden");
 }
 
 void add_recover(CLI::App& root, Words& words) {

@@ -36,7 +36,7 @@ class PlainTrainOutput : public TrainOutput {
  protected:
   const TrainingConfig& config() const { return config_; }
   static void print(const std::string& text) {
-    write_to(stdout, text);
+    write_to(stdout, folded(text));
     flush_output();
   }
 

@@ -105,7 +105,7 @@ class LiveLines : public LiveScreen {
   void hello(const LiveFacts& facts) override {
     has_servo_ = facts.header.profile.servo.is_there();
     rates_ = RateLines(facts.header.estimators, facts.header.time_reference, terminal_width());
-    output_.write(heading_of(facts) + rates_.hidden() + "?: not reliable (yet); rates in deg/s\n",
+    output_.write(folded(heading_of(facts) + rates_.hidden() + "?: not reliable (yet); rates in deg/s\n"),
                   Matter::word);
   }
   void state(const rig::RecordingProgress&) override {}
@@ -115,9 +115,11 @@ class LiveLines : public LiveScreen {
     const std::string titles = lines_ % 40 == 0 ? rates_.titles() : "";
     if (output_.write(titles + rates_.line(frame), Matter::frame)) ++lines_;
   }
-  void note(const std::string& sentence) override { output_.write(printable(sentence) + "\n", Matter::word); }
+  void note(const std::string& sentence) override {
+    output_.write(folded(printable(sentence)) + "\n", Matter::word);
+  }
   void ended(const LiveEnd& end, const live::LiveScores& scores) override {
-    output_.write_last(ending_of(end, scores, has_servo_));
+    output_.write_last(folded(ending_of(end, scores, has_servo_)));
   }
 
  private:

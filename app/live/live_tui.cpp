@@ -2,10 +2,14 @@
 #include "live_tui.h"
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <string_view>
 #include <vector>
@@ -98,39 +102,82 @@ std::string absence_text(Device device, const rig::RecordingProgress& progress) 
   return progress.gone[device] ? fmt::format(", no {}", name_of(device)) : "";
 }
 
+/// Keys of the terminal on standard input, one by one and unseen as long as this lives. Another program's
+/// terminal is left alone.
+class Keyboard {
+ public:
+  Keyboard() {
+    const pid_t owner = ::tcgetpgrp(STDIN_FILENO);
+    if (::tcgetattr(STDIN_FILENO, &before_) != 0 || (owner >= 0 && owner != ::getpgrp())) return;
+    termios keys = before_;
+    keys.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+    is_there_ = ::tcsetattr(STDIN_FILENO, TCSANOW, &keys) == 0;
+  }
+  ~Keyboard() {
+    if (is_there_) ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+  }
+  Keyboard(const Keyboard&) = delete;
+  Keyboard& operator=(const Keyboard&) = delete;
+
+  bool is_there() const { return is_there_; }
+  /// Has it been pressed since the last call?
+  bool takes(char wanted) const {
+    pollfd waiting{STDIN_FILENO, POLLIN, 0};
+    bool taken = false;
+    char key = 0;
+    while (is_there_ && ::poll(&waiting, 1, 0) == 1 && ::read(STDIN_FILENO, &key, 1) == 1)
+      taken = taken || key == wanted;
+    return taken;
+  }
+
+ private:
+  termios before_{};
+  bool is_there_ = false;
+};
+
 class LiveTui : public LiveScreen {
  public:
   LiveTui(OutputWriter& output, Colours colours) : output_(output), colours_(colours) {}
 
   void hello(const LiveFacts& facts) override {
     facts_ = facts;
-    output_.write(heading_of(facts), Matter::word);
+    output_.write(folded(heading_of(facts)), Matter::word);
   }
   void state(const rig::RecordingProgress& progress) override {
+    leave_if_asked();
     state_ = fmt::format("{:.1f} s  {}, leg {} of {}, {}", progress.elapsed_s, name_of(progress.sweep.phase),
                          progress.sweep.leg, progress.sweep.leg_count,
                          facts_.repeats ? "until stopped" : duration_text(progress.sweep.eta_s) + " left");
     for (const Device device : all_devices) state_ += absence_text(device, progress);
   }
   void frame(const LiveFrame& frame) override {
+    leave_if_asked();
     const HostTime now = io::now();
     if (drawn_at_ && now - *drawn_at_ < draw_period) return;
     drawn_at_ = now;
     draw(frame);
   }
   void note(const std::string& sentence) override {
-    if (output_.write(fmt::format("{}{}\n", erasing(lines_), printable(sentence)), Matter::word)) lines_ = 0;
+    if (output_.write(fmt::format("{}{}\n", erasing(lines_), folded(printable(sentence))), Matter::word))
+      lines_ = 0;
   }
   void ended(const LiveEnd& end, const live::LiveScores& scores) override {
-    output_.write_last(fmt::format("\r{}", ending_of(end, scores, facts_.header.profile.servo.is_there())));
+    output_.write_last("\r" + folded(ending_of(end, scores, facts_.header.profile.servo.is_there())));
   }
 
  private:
+  /// As Ctrl-C would.
+  void leave_if_asked() {
+    if (!keyboard_.takes('q')) return;
+    note("q: leaving");
+    ::kill(::getpid(), SIGINT);
+  }
+
   void draw(const LiveFrame& frame) {
     std::string text = half_blocks(frame.frame.frame, facts_.header.profile.camera.mirrored, colours_);
     const Range range = range_of(frame.frame.frame);
-    std::string figures =
-        fmt::format("{:.1f} to {:.1f} degC, {}\n", range.low, range.high, freshness(frame.frame));
+    std::string figures = fmt::format("{:.1f} to {:.1f} degC, {}{}\n", range.low, range.high,
+                                      freshness(frame.frame), keyboard_.is_there() ? "   (q leaves)" : "");
     figures += state_ + "\n";
     figures += rates_text(frame);
     text += cut(figures, terminal_width() - 1);  // a full line would wrap
@@ -182,6 +229,7 @@ class LiveTui : public LiveScreen {
 
   OutputWriter& output_;
   Colours colours_;
+  Keyboard keyboard_;
   LiveFacts facts_;
   std::string state_;
   std::optional<HostTime> drawn_at_;

@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
+#include <sstream>
 #include <string>
 
 #include "print/output.h"
@@ -40,6 +42,17 @@ void tell_without_token(const web::Server& page, std::FILE* stream) {
         whereabouts(page, shown_beside));
 }
 
+/// Whoever came by SSH has the browser elsewhere, and SSH_CONNECTION has the address that they came to.
+void tell_tunnel(const web::Server& page, std::FILE* stream) {
+  const char* connection = std::getenv("SSH_CONNECTION");
+  if (connection == nullptr) return;
+  std::istringstream words(connection);
+  std::string word, address;
+  for (int i = 0; i < 3 && words >> word; ++i) address = word;  // client's address and port, our address
+  print(stream, "note  for a browser on your own computer: ssh -L {0}:127.0.0.1:{0} {1}\n", page.port(),
+        printable(address));
+}
+
 }  // namespace
 
 void tell_page(const web::Server& page, bool json) {
@@ -52,6 +65,7 @@ void tell_page(const web::Server& page, bool json) {
     print(stream,
           "note  this program was built without its page: bash app/setup.sh page, then cmake --preset "
           "release && cmake --build build\n");
+  tell_tunnel(page, stream);
   if (!page.note().empty()) print(stream, "note  {}\n", printable(page.note()));
   std::fflush(stream);
 }

@@ -19,8 +19,10 @@ int report(const Error& error, bool json) {
   }
   const bool colours = escapes_allowed(stderr);
   const std::string where = error.where().empty() ? "" : error.where() + ": ";
-  print(stderr, "{}thermorig:{} {}\n", colours ? "\x1b[31m" : "", colours ? "\x1b[0m" : "",
-        printable(where + error.what_happened()));
+  constexpr std::string_view name = "thermorig:";
+  const std::string text = folded(std::string(name) + " " + printable(where + error.what_happened()));
+  print(stderr, "{}{}{}{}\n", colours ? "\x1b[31m" : "", name, colours ? "\x1b[0m" : "",
+        std::string_view(text).substr(name.size()));
   if (!error.advice().empty()) print(stderr, "  try: {}\n", printable(error.advice()));
   const int code = static_cast<int>(error.code());
   if (json) {

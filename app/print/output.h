@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "terminal_width.h"
 #include "thermorig/core/count_text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
@@ -35,15 +36,16 @@ std::string erasing(std::size_t lines);
 /// stream, for require_printed().
 void write_to(std::FILE* stream, std::string_view text);
 
+/// The text for people: see folded().
 template <typename... Parts>
 void print(std::FILE* stream, fmt::format_string<Parts...> format, Parts&&... parts) {
-  write_to(stream, fmt::format(format, std::forward<Parts>(parts)...));
+  write_to(stream, folded(fmt::format(format, std::forward<Parts>(parts)...)));
 }
 
 /// To standard output.
 template <typename... Parts>
 void print(fmt::format_string<Parts...> format, Parts&&... parts) {
-  write_to(stdout, fmt::format(format, std::forward<Parts>(parts)...));
+  write_to(stdout, folded(fmt::format(format, std::forward<Parts>(parts)...)));
 }
 
 /// Never throws, as write_to().

@@ -4,18 +4,76 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 
 namespace thermorig::app {
 
 std::size_t terminal_width() {
   winsize size{};
   const bool known = ioctl(fileno(stdout), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return known ? size.ws_col : 80;
+  if (known) return size.ws_col;
+  const char* wanted = std::getenv("COLUMNS");
+  const long columns = wanted == nullptr ? 0 : std::strtol(wanted, nullptr, 10);
+  return columns >= 40 && columns <= 10'000 ? static_cast<std::size_t>(columns) : 80;
 }
 
-std::optional<std::size_t> line_limit() {
-  return isatty(fileno(stdout)) == 1 ? std::optional(terminal_width()) : std::nullopt;
+namespace {
+
+/// Of text in UTF-8, a column a character.
+std::size_t columns_of(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+/// What stands behind a label of one word, or of one with a colon.
+std::size_t hanging_indent(std::string_view line) {
+  constexpr std::size_t deepest = 24;
+  const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
+  const std::size_t end = std::min(line.find(' ', begin), line.size());
+  const std::size_t next = std::min(line.find_first_not_of(' ', end), line.size());
+  const bool is_label = next - end >= 2 || (end > begin && line[end - 1] == ':');
+  return is_label && next <= deepest ? next : begin + 2;
+}
+
+std::string folded_line(std::string_view line, std::size_t width) {
+  if (columns_of(line) <= width || line.find_first_of("\x1b\r") != std::string_view::npos)
+    return std::string(line);
+  const std::string indent(hanging_indent(line), ' ');
+  std::string done, current;
+  std::size_t breakable = 0;  // columns, but for paths
+  for (std::size_t at = 0; at < line.size();) {
+    const std::size_t begin = std::min(line.find_first_not_of(' ', at), line.size());
+    const std::size_t end = std::min(line.find(' ', begin), line.size());
+    const std::string_view word = line.substr(at, end - at);  // with the blanks before it
+    breakable += word.find('/') == std::string_view::npos ? columns_of(word) : begin - at;
+    if (!done.empty() || !current.empty()) {
+      const bool is_full = columns_of(current) + columns_of(word) > width;
+      if (is_full && current.size() > indent.size()) {
+        done += current + "\n";
+        current = indent + std::string(line.substr(begin, end - begin));
+        at = end;
+        continue;
+      }
+    }
+    current += word;
+    at = end;
+  }
+  return breakable <= width ? std::string(line) : done + current;
+}
+
+}  // namespace
+
+std::string folded(std::string_view text, std::size_t width) {
+  std::string out;
+  while (true) {
+    const std::size_t end = text.find('\n');
+    out += folded_line(text.substr(0, end), width);
+    if (end == std::string_view::npos) return out;
+    out += '\n';
+    text.remove_prefix(end + 1);
+  }
 }
 
 std::string drawn_over(std::string_view line, std::size_t width) {

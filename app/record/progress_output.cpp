@@ -87,15 +87,18 @@ std::ptrdiff_t speeds_met(const SweepProgress& sweep) {
                        [](const rig::SpeedQuota& speed) { return speed.valid >= speed.wanted; });
 }
 
-/// "valid 31 of 50 at this speed, 12 of 50 speeds have theirs"; empty without a quota.
+std::string speeds_text(const SweepProgress& sweep) {
+  return fmt::format("{} of {} speeds done", speeds_met(sweep), sweep.speeds.size());
+}
+
+/// "valid 31 of 50 at +30.0 deg/s, 12 of 50 speeds done"; empty without a quota.
 std::string quota_text(const SweepProgress& sweep) {
   if (!has_quota(sweep)) return "";
   const std::string here =
       sweep.valid_quota == 0
           ? ""
           : fmt::format("valid {} of {} at {}, ", sweep.valid, sweep.valid_quota, speed_text(sweep.rate_dps));
-  return here +
-         fmt::format("{} of {} speeds have their valid frames", speeds_met(sweep), sweep.speeds.size());
+  return here + speeds_text(sweep);
 }
 
 /// Of a sweep that was stopped nothing is left to wait for: "7 %".
@@ -113,7 +116,8 @@ class TerminalOutput : public ProgressOutput {
   TerminalOutput& operator=(const TerminalOutput&) = delete;
 
   void note(const std::string& sentence) override {
-    if (output_.write(fmt::format("{}{}\n", erasing(drawn_), printable(sentence)), Matter::word)) drawn_ = 0;
+    if (output_.write(fmt::format("{}{}\n", erasing(drawn_), folded(printable(sentence))), Matter::word))
+      drawn_ = 0;
   }
 
  private:
@@ -133,7 +137,9 @@ class PlainOutput : public ProgressOutput {
  public:
   explicit PlainOutput(OutputWriter& output) : ProgressOutput(10.0), output_(output) {}
 
-  void note(const std::string& sentence) override { output_.write(printable(sentence) + "\n", Matter::word); }
+  void note(const std::string& sentence) override {
+    output_.write(folded(printable(sentence)) + "\n", Matter::word);
+  }
 
  private:
   OutputWriter& output_;
@@ -145,19 +151,24 @@ class PlainOutput : public ProgressOutput {
   static std::string line(const RecordingProgress& progress) {
     std::string text = fmt::format("{:>8}  {}, {}", duration_text(progress.elapsed_s),
                                    leg_text(progress.sweep), left_text(progress.sweep));
-    if (has_quota(progress.sweep)) text += "; " + quota_text(progress.sweep);
+    if (has_quota(progress.sweep)) text += ", " + speeds_text(progress.sweep);
+    std::string devices;
     for (Device device : all_devices) {
-      if (progress.absent[device]) continue;
-      if (const auto& awaited = progress.awaited[device]) {
-        text += fmt::format("; {} AWAITED, {:.0f} s left", name_of(device), std::ceil(awaited->left_s));
-        continue;
-      }
-      const DeviceHealth& health = progress.health[device];
-      text += fmt::format("; {} {} lost {} bad {}", name_of(device),
-                          rate_range_text(health.rate_min_hz, health.rate_max_hz), count_text(health.lost),
-                          count_text(health.bad));
+      const std::string told = progress.absent[device] ? "" : trouble_of(device, progress);
+      if (!told.empty()) devices += (devices.empty() ? "" : "; ") + told;
     }
-    return text;
+    return folded(text + (devices.empty() ? "" : "\n          " + devices));
+  }
+
+  /// Nothing of a device that sends all it should.
+  static std::string trouble_of(Device device, const RecordingProgress& progress) {
+    if (const auto& awaited = progress.awaited[device])
+      return fmt::format("{} AWAITED, {:.0f} s left", name_of(device), std::ceil(awaited->left_s));
+    const DeviceHealth& health = progress.health[device];
+    if (!health.age_s) return fmt::format("{} nothing yet", name_of(device));
+    if (health.lost == 0 && health.bad == 0) return "";
+    return fmt::format("{} lost {}, bad {}", name_of(device), count_text(health.lost),
+                       count_text(health.bad));
   }
 };
 

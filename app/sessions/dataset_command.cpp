@@ -159,7 +159,7 @@ ExitCode split(const DatasetOptions& options) {
     table.add({fold.environment, count_text(fold.training.size()), count_text(fold.test.size())});
   }
   if (!options.part.empty() && !options.json) {
-    for (const std::string path : list.front()[options.part]) print("{}\n", printable(path));
+    for (const std::string path : list.front()[options.part]) write_to(stdout, printable(path) + "\n");
     return ExitCode::ok;
   }
   if (options.json)

@@ -148,13 +148,11 @@ void print_table(const std::vector<ListedSession>& sessions) {
   const std::vector<std::string> by_importance{"environment", "number", "verdict", "rig",  "valid",
                                                "date (UTC)",  "plan",   "in legs", "file", "notes"};
   Table table = table_of(sessions);
-  const std::optional<std::size_t> limit = line_limit();
-  auto hidden = limit ? table.fit(*limit, by_importance) : std::vector<std::string>{};
+  std::vector<std::string> hidden = table.fit(terminal_width(), by_importance);
   const bool hides_files = std::erase(hidden, "file") > 0;
   print("{}\n", hides_files ? with_files(table.text(), sessions) : table.text());
   if (!hidden.empty())
-    print("{}", fmt::format("hidden columns (narrow terminal): {}; thermorig list | less -S\n",
-                            fmt::join(hidden, ", ")));
+    print("{}", fmt::format("hidden columns: {}; --json has all\n", fmt::join(hidden, ", ")));
 }
 
 template <typename Is>

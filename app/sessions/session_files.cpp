@@ -2,7 +2,12 @@
 #include "session_files.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <charconv>
+#include <iostream>
+
+#include "print/output.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/printable.h"
 #include "thermorig/io/files/existing.h"
@@ -35,6 +40,21 @@ fs::path one_session_at(const fs::path& path) {
   throw Error(ExitCode::bad_usage,
               fmt::format("the folder holds {} sessions, and one is needed", files.size()), path.string(),
               "name it, e.g. " + shell_word(files.back().string()));
+}
+
+fs::path chosen_session_at(const fs::path& path) {
+  if (isatty(STDIN_FILENO) == 0 || isatty(STDOUT_FILENO) == 0) return one_session_at(path);
+  const std::vector<fs::path> files = session_files_at(path);
+  if (files.size() == 1) return files.front();
+  for (std::size_t i = 0; i < files.size(); ++i) print("{:>4}  {}\n", i + 1, printable(files[i].string()));
+  print("\nWhich one? 1 to {}: ", files.size());
+  flush_output();
+  std::string answer;
+  std::size_t number = 0;
+  if (std::getline(std::cin, answer)) std::from_chars(answer.data(), answer.data() + answer.size(), number);
+  if (number >= 1 && number <= files.size()) return files[number - 1];
+  throw Error(ExitCode::bad_usage, "no session was chosen", path.string(),
+              "a number of the list, or name it, e.g. " + shell_word(files.back().string()));
 }
 
 void refuse_journal(const std::filesystem::path& path) {

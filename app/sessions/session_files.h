@@ -17,6 +17,9 @@ std::vector<std::filesystem::path> session_files_at(const std::vector<std::files
 /// holds several.
 std::filesystem::path one_session_at(const std::filesystem::path& path);
 
+/// The same, but of a folder that holds several one is asked for, where somebody sits at the terminal.
+std::filesystem::path chosen_session_at(const std::filesystem::path& path);
+
 /// Throws Error(not_a_session) for a journal, with how to make a session of it.
 void refuse_journal(const std::filesystem::path& path);
 

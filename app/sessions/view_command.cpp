@@ -35,7 +35,7 @@ void tell(const ViewOptions& options, const web::Server& server, std::uint64_t f
 ExitCode run(const ViewOptions& asked) {
   require_page();
   ViewOptions options = asked;
-  options.file = one_session_at(asked.file);
+  options.file = asked.json ? one_session_at(asked.file) : chosen_session_at(asked.file);
   refuse_journal(options.file);
   const view::SessionView view(options.file);
   hold_interrupts();

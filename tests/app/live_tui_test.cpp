@@ -3,11 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 #include <unistd.h>
 
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <limits>
 #include <string>
 #include <thread>
@@ -77,6 +79,26 @@ class LiveTui : public ::testing::Test {
   EstimateRow row_;
   live::LiveScores scores_;
 };
+
+volatile std::sig_atomic_t interrupts_seen = 0;
+
+TEST_F(LiveTui, LeavesWhenQIsPressedAndSaysThatItDoes) {
+  const int before = dup(STDIN_FILENO);
+  int keys = -1, terminal = -1;
+  ASSERT_EQ(openpty(&keys, &terminal, nullptr, nullptr, nullptr), 0);
+  dup2(terminal, STDIN_FILENO);
+  const auto handler = std::signal(SIGINT, [](int) { interrupts_seen = interrupts_seen + 1; });
+  screen_ = make_live_tui(*output_, Colours::cube);
+  EXPECT_THAT(drawn(), HasSubstr("(q leaves)"));
+  EXPECT_EQ(interrupts_seen, 0);
+  EXPECT_EQ(write(keys, "xq", 2), 2);
+  EXPECT_THAT(drawn(), HasSubstr("q: leaving\n"));
+  EXPECT_EQ(interrupts_seen, 1);
+  screen_.reset();
+  std::signal(SIGINT, handler);
+  dup2(before, STDIN_FILENO);
+  for (const int end : {before, keys, terminal}) close(end);
+}
 
 TEST_F(LiveTui, ShowsTheLegAndAllRatesWithTheirErrors) {
   const std::string text = drawn();

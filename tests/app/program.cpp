@@ -65,6 +65,7 @@ ProgramTest::ProgramTest() {
   std::string name = (std::filesystem::temp_directory_path() / "thermorig-test-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) std::abort();
   folder_ = name;
+  setenv("COLUMNS", "1000", 1);  // sentences in one piece
 }
 
 ProgramTest::~ProgramTest() {
@@ -87,7 +88,7 @@ Outcome ProgramTest::run_with_files_up_to(int kib, const std::string& arguments)
 }
 
 Outcome ProgramTest::run_on_terminal(const std::string& settings, const std::string& arguments) const {
-  const std::string command = "cd " + folder_.string() + " && " + settings + " script -qec '" +
+  const std::string command = "cd " + folder_.string() + " && COLUMNS= " + settings + " script -qec '" +
                               THERMORIG_PROGRAM + " " + arguments + "' /dev/null >out.txt 2>err.txt";
   const int status = std::system(command.c_str());
   return {code_of(status), file_text(folder_ / "out.txt"), file_text(folder_ / "err.txt")};

@@ -43,7 +43,7 @@ std::string shown(ProgressStyle style) {
 TEST(StatusLines, ShowHowManyValidFramesEachSpeedHas) {
   const std::vector<std::string> lines = status_lines(at_the_first_leg());
   EXPECT_THAT(lines, Contains(HasSubstr("-80 [.3 ##] +80 deg/s")));
-  EXPECT_THAT(lines, Contains(HasSubstr("2 of 4 speeds have their valid frames")));
+  EXPECT_THAT(lines, Contains(HasSubstr("2 of 4 speeds done")));
 }
 
 TEST(StatusLines, SayNothingOfTimeLeftOnceTheSweepIsStopped) {

@@ -397,7 +397,7 @@ TEST_F(Record, DrawsOverItsStatusOnATerminalOnlyAndNotIfNoColourIsWanted) {
   EXPECT_THAT(drawn.out, HasSubstr("\x1b["));
   EXPECT_THAT(drawn.out, HasSubstr("camera  "));
   EXPECT_THAT(drawn.out, HasSubstr("-80 [.. ..] +80 deg/s"));
-  EXPECT_THAT(drawn.out, HasSubstr("0 of 4 speeds have their valid frames"));
+  EXPECT_THAT(drawn.out, HasSubstr("0 of 4 speeds done"));
   ASSERT_EQ(plain.code, 0) << plain.out;
   EXPECT_THAT(plain.out, Not(HasSubstr("\x1b")));
 }

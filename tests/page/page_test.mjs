@@ -348,7 +348,17 @@ describe('keys', () => {
       reached.push(name);
       assert.ok(await tab.evaluate(() => getComputedStyle(document.activeElement).outlineStyle !== 'none'), `${name} shows its focus`);
     }
-    assert.deepEqual(reached, ['start', 'stop', 'all-events', ...five, 'm', 'note', 'p', 'r', 'c', 'l', 'i', 'f', '?', 'licences']);
+    assert.deepEqual(reached, ['start', 'stop', 'all-events', ...five, 'm', 'note', 'p', 'r', 'c', 'l', 'i', 's', 'f', '?', 'licences']);
+  });
+
+  test('S saves what is seen as a PNG', async () => {
+    const { tab } = await page([hello(), ...span(0, 10)]);
+    await shown(tab, 9);
+    const [download] = await Promise.all([tab.waitForEvent('download'), tab.keyboard.press('s')]);
+    assert.match(download.suggestedFilename(), /^thermorig_\d{8}T\d{6}\.png$/);
+    const bytes = readFileSync(await download.path());
+    assert.deepEqual([...bytes.subarray(1, 4)], [...'PNG'].map((c) => c.charCodeAt(0)));
+    assert.equal(bytes.readUInt32BE(16), 2 * await tab.evaluate(() => document.documentElement.clientWidth));
   });
 
   test('Space stops the servo wherever the focus is, with the token, but not within the note', async () => {
@@ -620,12 +630,14 @@ describe('connection', () => {
       const { tab } = await page([], { url: `http://127.0.0.1:${server.port}/${fragment}` });
       await until(async () => /open the URL that thermorig printed/.test(await textOf(tab, '#warnings')), `advice for "${fragment}"`);
       assert.equal(await textOf(tab, '#mode-word'), 'NOT CONNECTED', fragment);
+      assert.ok(await hidden(tab, 'stop'), 'no button that would stop nothing');
     }
     const { tab } = open.at(-1);
     server.greeting = [hello(), ...span(0, 10)];
     await tab.evaluate((t) => { location.hash = `#t=${t}`; }, token);
     await shown(tab, 9);
     await until(async () => await textOf(tab, '#warnings') === '', 'the advice goes');
+    assert.ok(!(await hidden(tab, 'stop')));
     assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
   });
 
@@ -989,7 +1001,7 @@ describe('whatever comes', () => {
     for (const nothing of [null, [], 'gyro', { gyro: {} }]) {
       server.send(hello({ run: `${JSON.stringify(nothing)}`, estimators: nothing }), ...span(0, 3));
       await until(async () => !(await hidden(tab, 'no-estimators')), 'a sentence in the place of the table');
-      assert.equal(await textOf(tab, '#no-estimators'), 'The program has told of no estimator.');
+      assert.equal(await textOf(tab, '#no-estimators'), 'No estimators yet.');
       assert.equal((await stripData(tab, 'rate')).length, 2, 'the servo alone');
       server.send(hello({ run: 'between' }));
       await until(() => hidden(tab, 'no-estimators'), 'estimators again');
@@ -1104,6 +1116,17 @@ describe('looks', () => {
     await screenshot(tab, 'narrow');
     assert.ok(await tab.evaluate(() => document.documentElement.scrollWidth) <= 400);
     for (const table of await tab.locator('main .table').all()) assert.ok(await table.evaluate((e) => e.scrollWidth <= e.clientWidth), 'the table fits');
+  });
+
+  test('390 px wide: Stop, state and the whole image stand on the first screen', async () => {
+    const { tab } = await page([hello({ control: true }), ...span(0, 20)], { width: 390, height: 844 });
+    await shown(tab, 19);
+    for (const id of ['stop', 'mode', 'phase', 'image']) {
+      const { y, height } = await tab.locator(`#${id}`).boundingBox();
+      assert.ok(y >= 0 && y + height <= 844, id);
+    }
+    const below = await tab.locator('#image').evaluate((e) => e.getBoundingClientRect().bottom);
+    assert.ok((await tab.locator('#numbers').boundingBox()).y > below);
   });
 
   test('empty states say what is missing', async () => {

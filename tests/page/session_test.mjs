@@ -143,6 +143,8 @@ describe('a session', { skip: whyNot() || false }, () => {
     const { tab, close } = await openTab(browser);
     await tab.goto(`file://${page}`);
     await opened(tab);
+    const first = await shownFrame(tab);
+    assert.ok(frameOf(session, first).valid && !frameOf(session, first - 1).valid, 'it opens on the first valid frame');
     const last = frameOf(session, 0).frames - 1;
     await tab.keyboard.press('End');
     assert.equal(await shownFrame(tab), last);

@@ -4,7 +4,7 @@
     run_blocks.py PROJECT BUILD
 
 Blocks fenced as ```sh run in bash with BUILD/bin on the PATH and the project as working folder (of a throw-away copy of
-its tracked files). Blocks fenced as ```sh hardware name real ports: they run against `thermorig simulate`, whose three
+its tracked files), and print no line beyond 80 columns that could be shorter. Blocks fenced as ```sh hardware name real ports: they run against `thermorig simulate`, whose three
 ports take the place of the names given in PORTS. Blocks fenced as ```python run in /usr/bin/python3, on the newest session.
 """
 import json
@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 
+WIDTH = 80
 PORTS = {"/dev/ttyUSB0": "camera", "/dev/ttyUSB1": "gyro", "/dev/ttyACM0": "servo"}
 
 
@@ -41,6 +42,14 @@ def simulated_ports(folder, environment):
     return process, json.loads(process.stdout.readline())
 
 
+def too_long(output):
+    """Lines beyond 80 columns, but for paths and addresses, which cannot be broken, and what is JSON."""
+    for line in output.splitlines():
+        told = line.split("\r")[-1]
+        if len(re.sub(r"[^ ]*/[^ ]*", "", told)) > WIDTH and not told.startswith("{"):
+            yield told
+
+
 def run(kind, body, folder, environment):
     if kind == "python":
         newest = max(folder.glob("recordings/*/*.h5"), key=os.path.getmtime)
@@ -52,7 +61,13 @@ def run(kind, body, folder, environment):
         for name, role in PORTS.items():
             body = body.replace(name, ports[role])
     try:
-        return subprocess.run(["bash", "-euo", "pipefail", "-c", body], cwd=folder, env=environment)
+        done = subprocess.run(["bash", "-euo", "pipefail", "-c", body], cwd=folder, env=environment, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        print(done.stdout, flush=True)
+        lines = [] if "quickstart" in body else list(too_long(done.stdout))  # a compiler's lines are its own
+        if lines:
+            sys.exit("more than 80 columns:\n" + "\n".join(lines))
+        return done
     finally:
         if process:
             process.send_signal(signal.SIGINT)

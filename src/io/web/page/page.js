@@ -121,6 +121,7 @@ function showNoGain(model) {
 const takers = {
   hello(message) {
     refused = false;
+    byId('stop').hidden = false;
     const name = plain(message.run, 40);
     const others = takeEstimators(message);
     if (name !== run || others) clear();
@@ -207,6 +208,7 @@ function refuse() {
   const other = connection?.token ? 'This address is not, or no longer, the one of the running program' : 'This address has no token of a program';
   band.refused();
   refused = true;
+  byId('stop').hidden = true;  // it would stop nothing
   warnings.set('token', `${other}: open the URL that thermorig printed (its end is #t=…).`);
 }
 
@@ -271,6 +273,8 @@ byId('motion').addEventListener('close', async () => {
   warnings.set('start', trouble === '' ? '' : `The sweep was not started: ${trouble}.`);
 });
 
+say(byId('elsewhere'), 'This page is for browsers on the computer of the rig. From another one, or from a phone with an app for SSH, open a tunnel'
+  + ` (ssh -L ${location.port}:127.0.0.1:${location.port} USER@COMPUTER) and then the same address there.`);
 health.show({});
 showScores({});
 strips.draw(null);

@@ -38,7 +38,7 @@ class Session {
     say(byId('frame-of'), `of 0 to ${count(rows.frameOf(rows.count - 1))}`);
     say(byId('estimates-note'), lines.length > 4 ? (left > 0 ? `${count(left)} more estimators than this page shows.` : '')
       : 'No estimates in this session: it is not of a live run.');
-    this.seek(0);
+    this.seek(this.valid.indexOf(1));  // or the first, where none is valid
   }
 
   /** Goes to a row. */

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { savePicture } from './picture.js';
 import { byId, say } from './text.js';
 
 /** The button of a key shows whether what it switches is on. */
@@ -22,6 +23,7 @@ export function sharedActions(image) {
       const done = document.fullscreenElement === null ? document.documentElement.requestFullscreen?.() : document.exitFullscreen();
       done?.catch(() => say(byId('announcement'), 'This browser refuses full screen'));
     },
+    s: savePicture,
     '?': () => byId('help').showModal(),
   };
 }
