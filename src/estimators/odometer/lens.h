@@ -7,6 +7,7 @@
 
 #include "thermorig/core/profile.h"
 #include "thermorig/core/surroundings/half_frame.h"
+#include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {
 
