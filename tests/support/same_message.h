@@ -57,6 +57,11 @@ inline bool same(const wire::ServoEvent& a, const wire::ServoEvent& b) {
   return a.kind == b.kind && a.detail == b.detail && a.mcu_us == b.mcu_us;
 }
 
+inline bool same(const ShaftReading& a, const ShaftReading& b) {
+  return a.mcu_us == b.mcu_us && a.angle_deg == b.angle_deg && a.turn_deg == b.turn_deg &&
+         a.uncertainty_deg == b.uncertainty_deg && a.status == b.status && a.gain == b.gain;
+}
+
 inline bool same(const wire::ServoMessage& a, const wire::ServoMessage& b) {
   if (a.body.index() != b.body.index() || a.sequence != b.sequence || !(a.span == b.span) ||
       a.lost_before != b.lost_before)

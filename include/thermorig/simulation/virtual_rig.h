@@ -71,6 +71,7 @@ struct VirtualRigConfig {
   std::optional<double> gyro_latency_s;
   CameraStart camera_start = CameraStart::by_itself;
   GyroStart gyro_start = GyroStart::by_itself;
+  bool has_encoder = false;         // an AS5600 on the shaft
   bool gyro_zeroes_itself = false;  // at rest, after a second, as WitMotion's do
   World world;                      // what its devices do beyond that; begins as the honest one
   std::vector<Outage> outages;
