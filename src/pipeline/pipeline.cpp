@@ -63,7 +63,7 @@ PerDevice<std::uint64_t> message_bytes(const RigProfile& profile) {
 Pipeline::Pipeline(const RigProfile& profile, const Fits& fits, bool without_labels)
     : stages_(new Stages{.camera = CameraDecoder(profile.camera, fits),
                          .gyro = GyroDecoder(profile.gyro, fits),
-                         .servo = ServoDecoder(profile.servo, fits),
+                         .servo = ServoDecoder(profile.servo, profile.encoder, fits),
                          .labeller = labels::Labeller(labels::label_config(profile, fits.sync)),
                          .frame_rate_hz = profile.camera.output_rate_hz,
                          .measurements = {},

@@ -30,7 +30,7 @@ std::int64_t since_telemetry_us(const TimedServo& telemetry, std::uint32_t mcu_u
 
 }  // namespace
 
-ServoDecoder::ServoDecoder(const ServoProfile& profile, const Fits& fits)
+ServoDecoder::ServoDecoder(const ServoProfile& profile, const EncoderProfile& encoder, const Fits& fits)
     : link_(profile.link),
       scanner_(sensors::servo_protocol().scanner()),
       timing_(profile.link),
@@ -39,7 +39,9 @@ ServoDecoder::ServoDecoder(const ServoProfile& profile, const Fits& fits)
       mcu_time_(sensors::servo_protocol().clock),
       pings_(profile.link.baud),
       clock_(profile.link),
-      is_causal_(fits.times[Device::servo].empty()) {}
+      is_causal_(fits.times[Device::servo].empty()),
+      encoder_latency_(from_s(encoder.latency_s)),
+      turns_(encoder) {}
 
 ServoDecoder::Decoded ServoDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
                                          Streams& out) {
@@ -115,6 +117,7 @@ TimedShaft ServoDecoder::timed(const wire::ServoMessage& message, const ShaftRea
     put(*estimate, shaft.stamp);
   else
     shaft.stamp.time += from_s(static_cast<double>(since_us) * host_s_per_us_);
+  shaft.stamp.time -= encoder_latency_;
   turns_.count(message.lost_before, shaft);
   return shaft;
 }

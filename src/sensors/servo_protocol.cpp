@@ -54,6 +54,7 @@ const ServoProtocol& servo_protocol() {
                                       .message_bytes = SERVO_TELEMETRY_SIZE + frame_bytes_around,
                                       .rate_hz = 1e3 / SERVO_TELEMETRY_PERIOD_MS,
                                       .shaft_sensor = "AS5600",
+                                      .shaft_error_deg = {},
                                       .scanner = servo_scanner,
                                       .recognise = recognise_servo,
                                       .greeting = hello,

@@ -20,6 +20,7 @@ struct HardCase {
   std::string environment = "laboratory";
   std::string world = "honest";
   std::string calibrated_in = "honest";
+  bool has_encoder = false;  // an AS5600 on the shaft, which is calibrated as well
 };
 
 /// A calibration that said that it cannot tell: what it would have measured stays an assumption.

@@ -26,6 +26,9 @@ struct ServoProtocol {
   std::uint64_t message_bytes;    // of one telemetry message, at most
   double rate_hz;                 // telemetry messages a second
   std::string_view shaft_sensor;  // what measures the shaft where its messages have ShaftReadings
+  // How far its angles are off by errors that repeat with each turn, root mean square, as its maker states.
+  // None: that depends on how it was put together, and has to be calibrated (EncoderProfile).
+  std::optional<double> shaft_error_deg;
 
   ServoScanner (*scanner)();
   /// Nothing if the bytes hold fewer than two of its messages.

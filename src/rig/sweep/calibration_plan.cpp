@@ -24,6 +24,9 @@ constexpr double lens_leg_s = 10.5;     // 420 deg at the slow speed
 constexpr double lens_fast_dps = 60.0;  // images are still sharp
 constexpr double lens_shares[] = {2.0 / 3.0, 1.0};
 constexpr int lens_legs = 16;
+constexpr double encoder_fast_dps = 200.0;
+constexpr double encoder_leg_s = 6.0;
+constexpr int encoder_legs = 12;
 constexpr double check_rest_s = 4.0;  // seven spectra of the gyro's noise, with the closing one
 constexpr double check_end_s = 2.0;
 constexpr double check_leg_s = 3.0;
@@ -105,6 +108,15 @@ SweepPlan lens_plan(const ServoProfile& servo, const CameraProfile& camera) {
   return plan;
 }
 
+// Errors of the gyro that repeat with each turn count the less the faster it turns, and many turns tell more.
+SweepPlan encoder_plan(const ServoProfile& servo, const CameraProfile& camera) {
+  constexpr double shares[] = {1.0, 0.75, 0.5};
+  SweepPlan plan = moving_plan("calibrate-encoder", frames_in(encoder_leg_s, camera));
+  add_reversals(encoder_legs, speed_within_stroke(encoder_fast_dps, plan.frames_per_leg, servo, camera),
+                shares, plan);
+  return plan;
+}
+
 // The slow speed first: the fast one is held against what it reaches. Two legs of it in a row are a
 // turn, and images tell it more surely there and back.
 SweepPlan check_plan_of(const ServoProfile& servo, const CameraProfile& camera) {
@@ -146,6 +158,8 @@ SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, cons
       return lens_plan(servo, camera);
     case CalibrationKind::check:
       return check_plan_of(servo, camera);
+    case CalibrationKind::encoder:
+      return encoder_plan(servo, camera);
     case CalibrationKind::bias:
       break;
   }
