@@ -25,8 +25,11 @@ constexpr double lens_fast_dps = 60.0;  // images are still sharp
 constexpr double lens_shares[] = {2.0 / 3.0, 1.0};
 constexpr int lens_legs = 16;
 constexpr double encoder_fast_dps = 200.0;
-constexpr double encoder_leg_s = 6.0;
+constexpr double encoder_usual_dps = 100.0;
+constexpr double encoder_shortest_s = 1.5;
+constexpr double encoder_longest_s = 6.0;
 constexpr int encoder_legs = 12;
+constexpr int encoder_short_legs = 36;
 constexpr double check_rest_s = 4.0;  // seven spectra of the gyro's noise, with the closing one
 constexpr double check_end_s = 2.0;
 constexpr double check_leg_s = 3.0;
@@ -109,11 +112,14 @@ SweepPlan lens_plan(const ServoProfile& servo, const CameraProfile& camera) {
 }
 
 // Errors of the gyro that repeat with each turn count the less the faster it turns, and many turns tell more.
+// A servo of little travel has short legs instead of slow ones, and more of them.
 SweepPlan encoder_plan(const ServoProfile& servo, const CameraProfile& camera) {
   constexpr double shares[] = {1.0, 0.75, 0.5};
-  SweepPlan plan = moving_plan("calibrate-encoder", frames_in(encoder_leg_s, camera));
-  add_reversals(encoder_legs, speed_within_stroke(encoder_fast_dps, plan.frames_per_leg, servo, camera),
-                shares, plan);
+  const double leg_s =
+      std::clamp(stroke_deg(servo) / encoder_usual_dps, encoder_shortest_s, encoder_longest_s);
+  SweepPlan plan = moving_plan("calibrate-encoder", frames_in(leg_s, camera));
+  const double fastest_dps = speed_within_stroke(encoder_fast_dps, plan.frames_per_leg, servo, camera);
+  add_reversals(leg_s < encoder_longest_s ? encoder_short_legs : encoder_legs, fastest_dps, shares, plan);
   return plan;
 }
 

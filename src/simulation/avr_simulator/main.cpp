@@ -115,7 +115,7 @@ std::uint8_t register_of(const Sensor& sensor, std::uint8_t address) {
   return address == 0x1A ? sensor.gain : 0;
 }
 
-void answer_bus(Slave& slave, std::uint32_t condition, std::uint8_t data) {
+void answer_bus(Slave& slave, std::uint8_t condition, std::uint8_t data) {
   avr_raise_irq(slave.irqs + TWI_IRQ_INPUT, avr_twi_irq_msg(condition, slave.selected, data));
 }
 
