@@ -75,7 +75,8 @@ TEST_P(ServoEncoder, PulsesAreThoseOfABoardWithoutOne) {
     if (has_encoder) bench().sense({.status = good_magnet, .raw = 100});
     ask();
     configure_and_arm();
-    bench().command(SERVO_RUN, payload_of(servo_run{1, 0, 20000, 20000, 400}));
+    bench().run_for(200'000 - bench().now_us());  // its answers came sooner or later
+    bench().send(frame(SERVO_RUN, bench().next_sequence, payload_of(servo_run{1, 0, 20000, 20000, 400})));
     bench().run_refreshed(500'000);
     return bench().pulses();
   };
