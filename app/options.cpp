@@ -165,8 +165,8 @@ void add_calibrate(CLI::App& root, Words& words) {
       .add_option(
           "WHAT", words.calibration,
           "bias (of the gyro, 60 s at rest), latency (of the camera), scale (of gyro and servo), "
-          "orientation (axes and signs), lens (where each pixel looks), or check (does the profile still "
-          "hold?)")
+          "orientation (axes and signs), lens (where each pixel looks), encoder (on the shaft), or check "
+          "(does the profile still hold?)")
       ->check(one_of({calibration_names.begin(), calibration_names.end()}))
       ->required();
   command

@@ -22,6 +22,7 @@ struct SimulatedParts {
   std::optional<std::string> camera;         // half (default), full: fresh halves a frame
   std::optional<std::string> gyro;           // calibrated, typical (default), raw: bias and scale
   std::optional<std::string> gyro_protocol;  // or a sketch; none: the profile's
+  std::optional<std::string> encoder;        // none (default), as5600
   std::optional<std::string> scene;          // what the camera sees; none: the environment's own
   std::optional<std::string> world;          // as simulation::world_named() takes it; none: the default one
 };
@@ -88,8 +89,8 @@ struct LiveOptions {
 };
 
 /// In the order of rig::CalibrationKind.
-inline constexpr std::array<std::string_view, 6> calibration_names{"bias",        "latency", "scale",
-                                                                   "orientation", "lens",    "check"};
+inline constexpr std::array<std::string_view, 7> calibration_names{"bias", "latency", "scale",  "orientation",
+                                                                   "lens", "check",   "encoder"};
 
 /// Where sessions of calibrations are kept, beside the environments.
 inline constexpr const char* calibration_environment = "calibration";

@@ -109,6 +109,9 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
           "What the simulated gyro speaks, at its usual rate (default witmotion): vectornav, text, ...")
       ->check(known_name(sensors::gyro_names()))
       ->type_name("NAME");
+  command.add_option("--simulated-encoder", parts.encoder, "What measures the shaft: none (default), as5600")
+      ->check(one_of({"none", "as5600"}))
+      ->type_name("KIND");
   command
       .add_option("--scene", parts.scene,
                   "What the camera sees (default: the scene named like the environment, else laboratory)")

@@ -4,11 +4,13 @@
  * Timer 1: fast PWM with TOP = OCR1A (mode 15, 16.9.3), 1/16 us a count. 65536 such counts are only 4.1 ms,
  * so the servo's period of 20 ms is five runs of 4 ms, and only the first of them has a pulse: OC1B (PB2,
  * Arduino D10) is connected to the servo for that run alone. Its count and overflows are also the clock.
- * Timer 2: the tick of 1 ms. USART 0: 250000 baud, 8N1. */
+ * Timer 2: the tick of 1 ms. USART 0: 250000 baud, 8N1. TWI: 400 kHz, master, one transfer at a time, driven
+ * by its interrupt alone, so that nothing waits for a bus that hangs. */
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
 #include <avr/wdt.h>
+#include <util/twi.h>
 
 #include "servo.h"
 
@@ -18,6 +20,8 @@
 #define TICKS_PER_PERIOD (SERVO_PULSE_PERIOD_US / SERVO_TICK_US)
 #define TICK_COUNTS 250U /* of 16 MHz / 64 */
 #define RECEIVED_MAX 64U /* a power of two */
+#define BUS_HZ 400000UL
+#define BUS_TICKS_MAX 3U /* a transfer takes a fifth of a tick */
 
 struct received {
   uint8_t byte;
@@ -30,7 +34,17 @@ struct kept {
   int32_t check; /* says whether both are whole */
 };
 
+struct bus {
+  struct encoder_transfer transfer;
+  uint8_t read[ENCODER_READ_MAX];
+  uint8_t at; /* bytes of the part in hand that are through */
+  uint32_t read_us;
+  volatile bool busy, over, acknowledged;
+  uint8_t ticks; /* since it began */
+};
+
 static struct servo the_servo;
+static struct bus bus;
 static struct kept kept __attribute__((section(".noinit")));
 static struct received received[RECEIVED_MAX];
 static volatile uint8_t received_put, received_taken;
@@ -105,6 +119,97 @@ ISR(USART_UDRE_vect) {
     UDR0 = servo_output_take(&the_servo.output);
 }
 
+#define BUS_GO (_BV(TWINT) | _BV(TWEN) | _BV(TWIE))
+
+/* From the interrupt, or with the TWI switched off. */
+static void end_transfer(bool acknowledged) {
+  bus.acknowledged = acknowledged;
+  bus.busy = false;
+  bus.over = true;
+}
+
+static void stop_bus(bool acknowledged) {
+  TWCR = _BV(TWINT) | _BV(TWEN) | _BV(TWSTO);
+  end_transfer(acknowledged);
+}
+
+static void write_on(void) {
+  if (bus.at < bus.transfer.write_size) {
+    TWDR = bus.transfer.write[bus.at++];
+    TWCR = BUS_GO;
+  } else if (bus.transfer.read_size > 0U) {
+    TWCR = BUS_GO | _BV(TWSTA);
+  } else {
+    stop_bus(true);
+  }
+}
+
+/* The byte that comes next is acknowledged unless it is the last. */
+static void read_on(void) {
+  TWCR = bus.at + 1U < bus.transfer.read_size ? BUS_GO | _BV(TWEA) : BUS_GO;
+}
+
+ISR(TWI_vect) {
+  switch (TW_STATUS) {
+    case TW_START:
+      bus.at = 0;
+      TWDR = (uint8_t)(ENCODER_ADDRESS << 1U) | TW_WRITE;
+      TWCR = BUS_GO;
+      break;
+    case TW_REP_START:
+      bus.at = 0;
+      TWDR = (uint8_t)(ENCODER_ADDRESS << 1U) | TW_READ;
+      TWCR = BUS_GO;
+      break;
+    case TW_MT_SLA_ACK:
+    case TW_MT_DATA_ACK:
+      write_on();
+      break;
+    case TW_MR_SLA_ACK:
+      bus.read_us = now_masked_us();
+      read_on();
+      break;
+    case TW_MR_DATA_ACK:
+      bus.read[bus.at++] = TWDR;
+      read_on();
+      break;
+    case TW_MR_DATA_NACK:
+      bus.read[bus.at] = TWDR;
+      stop_bus(true);
+      break;
+    default: /* not acknowledged, arbitration lost, a fault of the bus */
+      stop_bus(false);
+      break;
+  }
+}
+
+/* After a tick of the servo. */
+static void run_encoder(void) {
+  struct encoder_transfer next;
+  if (bus.busy && ++bus.ticks > BUS_TICKS_MAX) {
+    TWCR = 0; /* first, so that its interrupt does not come any more */
+    end_transfer(false);
+  }
+  if (bus.busy || bus.over || !servo_encoder_next(&the_servo, &next)) return;
+  bus.transfer = next;
+  bus.read_us = now_us();
+  bus.ticks = 0;
+  bus.busy = true;
+  TWCR = BUS_GO | _BV(TWSTA);
+}
+
+static void report_encoder(void) {
+  if (!bus.over) return;
+  bus.over = false;
+  servo_encoder_done(&the_servo, bus.acknowledged, bus.read, bus.read_us);
+}
+
+static void start_bus(void) {
+  PORTC |= _BV(PORTC4) | _BV(PORTC5); /* weak pull-ups: where nothing is connected, nothing acknowledges */
+  TWBR = (uint8_t)((F_CPU / BUS_HZ - 16UL) / 2UL);
+  TWSR = 0;
+}
+
 static void start_serial(void) {
   UCSR0A = _BV(U2X0);                 /* before the rate: some receivers of UBRR look at it then */
   UCSR0C = _BV(UCSZ01) | _BV(UCSZ00); /* 8N1 */
@@ -155,6 +260,7 @@ static void tick(void) {
   wdt_reset();
   time_us += SERVO_TICK_US;
   servo_tick(&the_servo, time_us);
+  run_encoder();
   kept.angle_cdeg = the_servo.motion.angle_cdeg;
   kept.cable_cdeg = the_servo.motion.cable_cdeg;
   kept.check = check_of_kept();
@@ -195,7 +301,7 @@ static void transmit(void) {
 /* A waiting ping keeps it awake: the delay of its answer must not keep step with the ticks. */
 static void sleep_until_interrupt(void) {
   cli();
-  if (ticks_due == 0U && received_taken == received_put && !the_servo.ping.waiting) {
+  if (ticks_due == 0U && received_taken == received_put && !the_servo.ping.waiting && !bus.over) {
     sleep_enable();
     sei(); /* the instruction after it is still carried out: no interrupt slips in between */
     sleep_cpu();
@@ -213,11 +319,13 @@ int main(void) {
   if ((reset_cause & _BV(PORF)) == 0U && kept.check == check_of_kept())
     servo_remember(&the_servo, kept.angle_cdeg, kept.cable_cdeg);
   start_serial();
+  start_bus();
   set_sleep_mode(SLEEP_MODE_IDLE);
   sei();
   for (;;) {
     receive();
     if (ticks_due != 0U) tick();
+    report_encoder();
     answer_ping();
     transmit();
     sleep_until_interrupt();

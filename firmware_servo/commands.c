@@ -189,8 +189,11 @@ static uint8_t payload_size(uint8_t type) {
   return type < sizeof sizes ? sizes[type] : 0xFFU;
 }
 
-static void hello(struct servo* servo, uint8_t sequence, uint8_t version, uint32_t time_us) {
-  servo->session = version == SERVO_LINK_VERSION;
+static void hello(struct servo* servo, uint8_t sequence, const uint8_t* payload, uint8_t size,
+                  uint32_t time_us) {
+  const uint8_t asked = size >= SERVO_HELLO_ASKING_SIZE ? payload[1] : 0U;
+  servo->session = payload[0] == SERVO_LINK_VERSION;
+  encoder_want(&servo->encoder, servo->session && (asked & SERVO_ASK_SHAFT) != 0U);
   servo->expected_sequence = (uint8_t)(sequence + 1U);
   servo->last.any = false;
   if (servo->fault == SERVO_FAULT_NONE) motion_stop(&servo->motion, 0);
@@ -256,7 +259,7 @@ void servo_command(struct servo* servo, uint8_t size, uint32_t time_us) {
   if (type >= 0x80U) return;
   if (servo->session) servo->fed_us = time_us;
   if (type == SERVO_HELLO && size >= SERVO_HELLO_SIZE)
-    hello(servo, sequence, body[2], time_us);
+    hello(servo, sequence, body + 2, size, time_us);
   else if (!servo->session && type != SERVO_REFRESH)
     refuse(servo, type, sequence, SERVO_REASON_WRONG_VERSION, SERVO_LINK_VERSION);
   else if (payload_size(type) == 0xFFU)

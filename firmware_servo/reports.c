@@ -36,6 +36,15 @@ void servo_report_telemetry(struct servo* servo) {
   servo_report(servo, SERVO_TELEMETRY, servo->telemetry_sequence++, payload, SERVO_TELEMETRY_SIZE);
 }
 
+void servo_report_shaft(struct servo* servo, const struct servo_shaft* shaft) {
+  uint8_t payload[SERVO_SHAFT_SIZE];
+  uint8_t* at = servo_put_u32(payload, shaft->mcu_us);
+  at = servo_put_u16(at, shaft->raw);
+  *at++ = shaft->status;
+  *at = shaft->gain;
+  servo_report(servo, SERVO_SHAFT, servo->shaft_sequence++, payload, SERVO_SHAFT_SIZE);
+}
+
 void servo_report_welcome(struct servo* servo, uint8_t sequence, uint32_t time_us) {
   uint8_t payload[SERVO_WELCOME_SIZE] = {SERVO_LINK_VERSION, SERVO_FIRMWARE_MAJOR, SERVO_FIRMWARE_MINOR,
                                          SERVO_FIRMWARE_PATCH};

@@ -95,3 +95,13 @@ uint16_t servo_next_pulse(const struct servo* servo) {
 void servo_pulse_started(struct servo* servo, uint16_t ticks) {
   servo->pulse_started = ticks;
 }
+
+bool servo_encoder_next(struct servo* servo, struct encoder_transfer* transfer) {
+  return encoder_next(&servo->encoder, transfer);
+}
+
+void servo_encoder_done(struct servo* servo, bool acknowledged, const uint8_t* read, uint32_t read_us) {
+  struct servo_shaft shaft;
+  shaft.mcu_us = read_us;
+  if (encoder_done(&servo->encoder, acknowledged, read, &shaft)) servo_report_shaft(servo, &shaft);
+}

@@ -5,12 +5,13 @@
 #ifndef THERMORIG_SERVO_H
 #define THERMORIG_SERVO_H
 
+#include "encoder.h"
 #include "motion.h"
 #include "servo_link.h"
 
 #define SERVO_FIRMWARE_MAJOR 1U
-#define SERVO_FIRMWARE_MINOR 2U
-#define SERVO_FIRMWARE_PATCH 1U
+#define SERVO_FIRMWARE_MINOR 3U
+#define SERVO_FIRMWARE_PATCH 0U
 
 #define SERVO_TICK_US 1000U
 #define SERVO_ANSWER_MAX 5U /* payload of ACK or NACK */
@@ -55,7 +56,9 @@ struct servo {
   uint16_t leg;
   uint16_t pulse_started; /* ticks of the last pulse, 0 for none: told by the board */
 
-  uint8_t telemetry_sequence, event_sequence, ticks_to_telemetry;
+  struct encoder encoder;
+
+  uint8_t telemetry_sequence, event_sequence, shaft_sequence, ticks_to_telemetry;
   struct servo_output output;
 };
 
@@ -72,6 +75,10 @@ void servo_tick(struct servo* servo, uint32_t time_us);
 uint16_t servo_next_pulse(const struct servo* servo);
 /* The board has started a pulse of this width, or let one out (0). */
 void servo_pulse_started(struct servo* servo, uint16_t ticks);
+/* After servo_tick(): whether the board shall begin this transfer with the encoder, and later say how it went
+ * and when its angle was read: servo_encoder_done(). */
+bool servo_encoder_next(struct servo* servo, struct encoder_transfer* transfer);
+void servo_encoder_done(struct servo* servo, bool acknowledged, const uint8_t* read, uint32_t read_us);
 /* Whether the pong's time has come. The board then waits for its transmitter to be idle, hands
  * SERVO_LINK_FLAG to it and calls servo_answer_ping() with that instant: so building the frame delays
  * nothing. */
@@ -100,6 +107,7 @@ void servo_end_leg(struct servo* servo);
 void servo_report(struct servo* servo, uint8_t type, uint8_t sequence, const uint8_t* payload, uint8_t size);
 void servo_report_event(struct servo* servo, enum servo_event_kind kind, uint16_t detail);
 void servo_report_telemetry(struct servo* servo);
+void servo_report_shaft(struct servo* servo, const struct servo_shaft* shaft);
 void servo_report_welcome(struct servo* servo, uint8_t sequence, uint32_t time_us);
 
 #endif

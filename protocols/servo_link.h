@@ -30,6 +30,7 @@ extern "C" {
 #define SERVO_WATCHDOG_MS 120U /* without a good frame for so long, motion stops */
 #define SERVO_REFRESH_MS 40U   /* the host sends REFRESH this often while the servo is armed */
 #define SERVO_TELEMETRY_PERIOD_MS 10U
+#define SERVO_SHAFT_PERIOD_MS 2U
 #define SERVO_PING_DELAY_MAX_US 20000U /* the largest delay that a ping may ask for */
 #define SERVO_TICKS_PER_US 16U         /* pulse ticks: 1/16 us */
 #define SERVO_COARSE_TICKS_PER_US 2U   /* of a firmware before 1.1.0: 1/2 us */
@@ -62,7 +63,8 @@ enum servo_type {
   SERVO_NACK = 0x83,      /* servo_nack */
   SERVO_TELEMETRY = 0x84, /* servo_telemetry */
   SERVO_PONG = 0x85,      /* servo_pong */
-  SERVO_EVENT = 0x86      /* servo_event */
+  SERVO_EVENT = 0x86,     /* servo_event */
+  SERVO_SHAFT = 0x87      /* servo_shaft; only where HELLO asked for it, and a sensor answers */
 };
 
 /* Why a command was refused. */
@@ -111,6 +113,10 @@ struct servo_hello {
   uint8_t version; /* SERVO_LINK_VERSION of the host */
 };
 #define SERVO_HELLO_SIZE 1U
+/* A second byte, if there is one, asks for what older hosts do not know; older firmware does not look at it.
+ */
+#define SERVO_HELLO_ASKING_SIZE 2U
+#define SERVO_ASK_SHAFT 0x01U
 
 struct servo_welcome {
   uint8_t version; /* SERVO_LINK_VERSION of the firmware: the first byte in every version of this link */
@@ -207,6 +213,21 @@ struct servo_event {
   uint32_t mcu_us;
 };
 #define SERVO_EVENT_SIZE 7U
+
+/* The shaft as a magnetic encoder (AS5600) has it. */
+struct servo_shaft {
+  uint32_t mcu_us; /* when its angle was read */
+  uint16_t raw;    /* RAW ANGLE: SERVO_SHAFT_STEPS a turn */
+  uint8_t status;  /* its STATUS: MD, ML, MH; or SERVO_SHAFT_UNREAD alone: it did not answer, raw is 0 */
+  uint8_t gain;    /* its AGC when that was read last, twice a second; 0: not yet */
+};
+#define SERVO_SHAFT_SIZE 8U
+#define SERVO_SHAFT_STEPS 4096U
+#define SERVO_SHAFT_UNREAD 0x01U
+#define SERVO_SHAFT_MAGNET_STRONG 0x08U
+#define SERVO_SHAFT_MAGNET_WEAK 0x10U
+#define SERVO_SHAFT_MAGNET_FOUND 0x20U
+#define SERVO_SHAFT_MAGNET_BITS 0x38U
 
 #define SERVO_PAYLOAD_MAX 23U
 #define SERVO_BODY_MAX (SERVO_PAYLOAD_MAX + 4U)    /* type, sequence, payload, CRC */

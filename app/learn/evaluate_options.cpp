@@ -40,7 +40,7 @@ void add_study_words(CLI::App& command, EvaluateOptions& options) {
       ->type_name("NAME");
   command
       .add_option("--label", options.label,
-                  "Speed to learn and test against: commanded (default), corrected, shaft")
+                  "Speed to learn and test against: commanded (default), corrected, shaft, measured")
       ->check(one_of({label_names.begin(), label_names.end()}))
       ->type_name("NAME");
   command.add_option("--epochs", options.epochs, "Epochs of each training (default 40)")

@@ -31,7 +31,7 @@ void add_settings(CLI::App& command, TrainOptions& options) {
       .add_option(
           "--label", options.label,
           "Speed to learn: commanded (default, as in the paper), corrected (by the servo's measured scale), "
-          "shaft (by the servo model)")
+          "shaft (measured, else by the servo model), measured (by a sensor on the shaft)")
       ->check(one_of({label_names.begin(), label_names.end()}))
       ->type_name("NAME");
   command.add_option("--epochs", options.epochs, "Passes over all windows (default 40)")->type_name("N");

@@ -102,6 +102,7 @@ void check_words_without_effect(const LiveCommandLine& words) {
                  "--simulated-gyro",
                  "--gyro-protocol",
                  "--simulated-gyro-protocol",
+                 "--simulated-encoder",
                  "--world",
                  "--no-preflight",
                  "--replug-patience",

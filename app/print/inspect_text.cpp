@@ -39,6 +39,17 @@ nlohmann::json annotations_json(const Session& session) {
   return list;
 }
 
+/// What measures the shaft, and whether labels are made by it.
+std::string shaft_lines(const std::string& sensor, const ShaftReport& shaft) {
+  std::string text = fmt::format("  shaft        measured by {}, {}\n", printable(sensor),
+                                 shaft.used ? "labels are made by it" : "but no label is made by it");
+  if (!shaft.why_not.empty()) text += fmt::format("               {}\n", printable(shaft.why_not));
+  if (shaft.unread + shaft.poor > 0)
+    text += fmt::format("               {} of {} readings failed, {} are by a weak or too strong magnet\n",
+                        count_text(shaft.unread), count_text(shaft.readings), count_text(shaft.poor));
+  return text;
+}
+
 std::string heading(const std::filesystem::path& path, const Session& session, const Quality& quality) {
   const RecordingHeader& header = session.raw.header;
   std::string text = printable(path.string()) + "\n";
@@ -64,6 +75,7 @@ std::string heading(const std::filesystem::path& path, const Session& session, c
   if (!session.sync.bad_pixels.empty())
     text += fmt::format("  bad pixels   {} (row,column from 0)\n", printable(session.sync.bad_pixels));
   if (!header.firmware.empty()) text += fmt::format("  servo        {}\n", printable(header.firmware));
+  if (!header.shaft_sensor.empty()) text += shaft_lines(header.shaft_sensor, session.sync.shaft);
   return text;
 }
 
@@ -218,6 +230,18 @@ nlohmann::json inspected_json(const std::filesystem::path& path, const Session& 
   for (Device device : all_devices)
     object["streams"][std::string(name_of(device))] =
         stream_json(quality.stream[device], session.counters[device]);
+  if (!session.raw.header.shaft_sensor.empty()) {
+    const ShaftReport& shaft = session.sync.shaft;
+    object["shaft"] = {{"sensor", session.raw.header.shaft_sensor},
+                       {"readings", shaft.readings},
+                       {"unread", shaft.unread},
+                       {"poor", shaft.poor},
+                       {"used", shaft.used},
+                       {"why_not", shaft.why_not},
+                       {"gyro_share", estimate_json(shaft.gyro_share)},
+                       {"command_share", estimate_json(shaft.command_share)},
+                       {"error_deg", shaft.error_deg}};
+  }
   object["label_source"] = session.raw.header.profile.servo.is_there() ? "command" : "gyro";
   object["verdict_reasons"] = quality.verdict_reasons;
   return object;

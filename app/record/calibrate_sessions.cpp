@@ -34,6 +34,8 @@ CalibrationResult measure(const CalibrateOptions& options, const session::Sessio
       return calibration::measure_orientation(session);
     case CalibrationKind::lens:
       return calibration::measure_lens(session);
+    case CalibrationKind::encoder:
+      return calibration::measure_encoder(session);
     case CalibrationKind::check:
       throw std::logic_error("a check measures nothing for a profile");
     case CalibrationKind::scale:

@@ -15,6 +15,7 @@ namespace thermorig::app {
 namespace {
 
 using calibration::BiasResult;
+using calibration::EncoderResult;
 using calibration::LatencyResult;
 using calibration::LensResult;
 using calibration::OrientationResult;
@@ -151,6 +152,48 @@ std::string words_of(const LensResult& result, const RigProfile& before) {
          line("", fmt::format("from {} chess halves in {:.0f} degrees of turning", count_text(result.halves),
                               result.turned_deg)) +
          line("gyro's filter", filter_text(result.gyro_delay_s)) + line("before", lens_before(before.camera));
+}
+
+std::string words_of(const EncoderResult& result, const RigProfile& before) {
+  const EncoderProfile& old = before.encoder;
+  return line("encoder",
+              fmt::format("{}, {}", printable(result.sensor),
+                          result.encoder.sign < 0 ? "turns against the command" : "turns with the command")) +
+         line("errors", fmt::format("{:.3f} deg once a turn, {:.3f} deg twice; left of them {:.3f} deg",
+                                    result.once_deg, result.twice_deg, result.encoder.error_deg)) +
+         line("", fmt::format("from {} legs of {:.0f} degrees in all; a reading's noise is {:.3f} deg",
+                              result.legs, result.turned_deg, result.noise_deg)) +
+         line("zero", fmt::format("{:+.2f} deg by the command", result.encoder.offset_deg)) +
+         line("gyro scale", scale_text(result.gyro_share.value, result.gyro_share.uncertainty) +
+                                ", as corrected, by the encoder") +
+         line("before",
+              fmt::format("{:.3f} deg once, {:.3f} deg twice, {}",
+                          std::hypot(old.once_cosine_deg, old.once_sine_deg),
+                          std::hypot(old.twice_cosine_deg, old.twice_sine_deg), origin(old.measured_utc)));
+}
+
+nlohmann::json encoder_json(const EncoderProfile& encoder) {
+  return {{"sign", encoder.sign},
+          {"offset_deg", encoder.offset_deg},
+          {"once_cosine_deg", encoder.once_cosine_deg},
+          {"once_sine_deg", encoder.once_sine_deg},
+          {"twice_cosine_deg", encoder.twice_cosine_deg},
+          {"twice_sine_deg", encoder.twice_sine_deg},
+          {"error_deg", encoder.error_deg},
+          {"measured_utc", text_json(encoder.measured_utc)}};
+}
+
+nlohmann::json object_of(const EncoderResult& result, const RigProfile& before) {
+  nlohmann::json object{{"result", encoder_json(result.encoder)}, {"before", encoder_json(before.encoder)}};
+  object["result"].erase("measured_utc");
+  object["result"]["sensor"] = result.sensor;
+  object["result"]["once_deg"] = result.once_deg;
+  object["result"]["twice_deg"] = result.twice_deg;
+  object["result"]["turned_deg"] = result.turned_deg;
+  object["result"]["legs"] = result.legs;
+  object["result"]["noise_deg"] = result.noise_deg;
+  object["result"]["gyro_share"] = estimate_json(result.gyro_share);
+  return object;
 }
 
 nlohmann::json measured(double value, double uncertainty, const std::string& utc) {

@@ -12,7 +12,7 @@ namespace thermorig::app {
 
 using CalibrationResult =
     std::variant<calibration::BiasResult, calibration::LatencyResult, calibration::ScaleResult,
-                 calibration::OrientationResult, calibration::LensResult>;
+                 calibration::OrientationResult, calibration::LensResult, calibration::EncoderResult>;
 
 /// The result in words, and what `before` says of the same: lines for people.
 std::string text_of(const CalibrationResult& result, const RigProfile& before);

@@ -27,13 +27,12 @@ void check_words(const RigOptions& options) {
     throw Error(ExitCode::bad_usage, "--simulated and ports exclude each other", "",
                 "--simulated alone, or --camera, --gyro and --servo");
   const SimulatedParts& parts = options.parts;
-  if (!simulated &&
-      (parts.servo || parts.camera || parts.gyro || parts.gyro_protocol || parts.scene || parts.world))
-    throw Error(
-        ExitCode::bad_usage,
-        "--simulated-servo, --simulated-camera, --simulated-gyro, --simulated-gyro-protocol, --scene and "
-        "--world need --simulated",
-        "", "--simulated=4");
+  if (!simulated && (parts.servo || parts.camera || parts.gyro || parts.gyro_protocol || parts.encoder ||
+                     parts.scene || parts.world))
+    throw Error(ExitCode::bad_usage,
+                "--simulated-servo, --simulated-camera, --simulated-gyro, --simulated-gyro-protocol, "
+                "--simulated-encoder, --scene and --world need --simulated",
+                "", "--simulated=4");
 }
 
 void check_servo_words(const RigOptions& options) {
@@ -134,6 +133,7 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
   simulation::VirtualRigConfig config = simulation::default_rig(seed, environment);
   config.profile.servo = simulated_servo(parts.servo.value_or("winch"), config.profile.servo);
   if (parts.gyro_protocol) sensors::choose_gyro(*parts.gyro_protocol, config.profile.gyro);
+  config.has_encoder = parts.encoder.value_or("none") == "as5600";
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));
   simulation::put_in_world(

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "ping_exchanges.h"
 #include "thermorig/core/bad_pixels.h"
 #include "thermorig/pipeline/interruptions.h"
+#include "thermorig/pipeline/labels/encoder_fit.h"
 #include "thermorig/pipeline/labels/gyro_filter.h"
 #include "thermorig/pipeline/labels/gyro_rests.h"
 #include "thermorig/pipeline/labels/servo_response.h"
@@ -35,6 +37,23 @@ template <typename Message>
 void put_times(const std::vector<TimeEstimate>& times, std::vector<Message>& messages) {
   FinalTimes final_times(times);
   for (Message& message : messages) final_times.put_next(message.stamp);
+}
+
+/// Readings of the shaft share the clock of the telemetry around them.
+void put_shaft_times(const std::vector<TimedServo>& servo, std::vector<TimedShaft>& shaft) {
+  std::size_t next = 0;
+  for (TimedShaft& reading : shaft) {
+    while (next < servo.size() && servo[next].span.begin < reading.span.begin) ++next;
+    if (next == 0) continue;
+    const TimedServo& before = servo[next - 1];
+    double share = 1.0;
+    if (next < servo.size() && servo[next].mcu_time_us > before.mcu_time_us)
+      share = to_s(servo[next].stamp.time - before.stamp.time) /
+              (static_cast<double>(servo[next].mcu_time_us - before.mcu_time_us) * 1e-6);
+    if (!(std::abs(share - 1.0) < 0.03)) share = 1.0;  // a reset or an absence lies between them
+    const auto since_s = static_cast<double>(reading.mcu_time_us - before.mcu_time_us) * 1e-6;
+    reading.stamp.time = before.stamp.time + from_s(since_s * share);
+  }
 }
 
 /// The rhythm is counted on what the bytes prove: causal stamps have been made with a count of their own.
@@ -122,6 +141,7 @@ PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const 
   put_times(clocks[Device::camera].times, streams.frames);
   put_times(clocks[Device::gyro].times, streams.gyro);
   put_times(clocks[Device::servo].times, streams.servo);
+  put_shaft_times(streams.servo, streams.shaft);
   return clocks;
 }
 
@@ -222,6 +242,8 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   apply_camera_offset(profile.camera, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,
                       clocks[Device::camera]);
   if (turns.gyro_scale) sync.servo = fit_servo();  // another scale of the gyro is another one of the servo
+  sync.shaft = labels::judge_shaft(streams.shaft, streams.gyro, streams.servo, sync.gyro, profile,
+                                   sensors::servo_protocol(profile.servo.protocol).shaft_error_deg);
 
   for (const Device device : all_devices) {
     fits.times[device] = std::move(clocks[device].times);

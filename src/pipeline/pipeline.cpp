@@ -70,7 +70,7 @@ labels::LabelConfig label_config(const RigProfile& profile, const Fits& fits) {
 Pipeline::Pipeline(const RigProfile& profile, const Fits& fits, bool without_labels)
     : stages_(new Stages{.camera = CameraDecoder(profile.camera, fits),
                          .gyro = GyroDecoder(profile.gyro, fits),
-                         .servo = ServoDecoder(profile.servo, fits),
+                         .servo = ServoDecoder(profile.servo, profile.encoder, fits),
                          .labeller = labels::Labeller(label_config(profile, fits)),
                          .frame_rate_hz = profile.camera.output_rate_hz,
                          .measurements = {},

@@ -36,7 +36,7 @@ std::int64_t since_telemetry_us(const TimedServo& telemetry, std::uint32_t mcu_u
 
 }  // namespace
 
-ServoDecoder::ServoDecoder(const ServoProfile& profile, const Fits& fits)
+ServoDecoder::ServoDecoder(const ServoProfile& profile, const EncoderProfile& encoder, const Fits& fits)
     : link_(profile.link),
       scanner_(protocol_of(profile).scanner(profile)),
       timing_(profile.link),
@@ -47,7 +47,9 @@ ServoDecoder::ServoDecoder(const ServoProfile& profile, const Fits& fits)
       mcu_time_(mcu_clock_),
       pings_(profile.link.baud),
       clock_(profile.link),
-      is_causal_(fits.times[Device::servo].empty()) {}
+      is_causal_(fits.times[Device::servo].empty()),
+      encoder_latency_(from_s(encoder.latency_s)),
+      turns_(encoder) {}
 
 void ServoDecoder::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
   pings_.sent(bytes, before_write);
@@ -130,6 +132,7 @@ TimedShaft ServoDecoder::timed(const wire::ServoMessage& message, const ShaftRea
     put(*estimate, shaft.stamp);
   else
     shaft.stamp.time += from_s(static_cast<double>(since_us) * host_s_per_us_);
+  shaft.stamp.time -= encoder_latency_;
   turns_.count(message.lost_before, shaft);
   return shaft;
 }

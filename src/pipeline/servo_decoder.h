@@ -23,7 +23,7 @@ namespace thermorig::pipeline {
 /// Servo bytes to telemetry with its time, pongs, and the answers that the rig's servo link waits for.
 class ServoDecoder {
  public:
-  ServoDecoder(const ServoProfile& profile, const Fits& fits);
+  ServoDecoder(const ServoProfile& profile, const EncoderProfile& encoder, const Fits& fits);
 
   /// Bytes to the servo: pings among them bound its clock, once they are answered; and some servos' answers
   /// are only understood with them.
@@ -71,6 +71,7 @@ class ServoDecoder {
   std::size_t epochs_told_ = 1;          // the first is no event
   std::optional<TimedServo> telemetry_;  // the newest
   double host_s_per_us_ = 1e-6;          // of the servo's clock, by the newest two
+  HostDuration encoder_latency_;
   ShaftTurns turns_;
   bool was_away_ = false;                     // since then
   std::vector<wire::ServoMessage> messages_;  // empty between calls; kept for its memory

@@ -56,6 +56,7 @@ void ServoSide::run_firmware(std::int64_t mcu_us, Output& out) {
     out.bytes.push_back({last_byte_ns_, byte.value});
   }
   out.pulses.insert(out.pulses.end(), step.pulses.begin(), step.pulses.end());
+  out.writes.insert(out.writes.end(), step.writes.begin(), step.writes.end());
 }
 
 ServoSide::Output ServoSide::run_until(std::int64_t until_ns) {

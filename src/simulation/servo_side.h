@@ -36,9 +36,13 @@ class ServoSide {
   /// Bytes that begin on the line toward the micro-controller at rig time `begin_ns`, or when it is free.
   void send(std::span<const std::uint8_t> bytes, std::int64_t begin_ns);
 
+  /// What a sensor on the micro-controller's I2C shows from now on.
+  void sense(const SensorRegisters& registers) { firmware_->sense(registers); }
+
   struct Output {
     std::vector<TimedByte> bytes;   // rig time
     std::vector<PulseEdge> pulses;  // micro-controller time
+    std::vector<RegisterWrite> writes;
   };
   /// Runs the firmware to rig time `until_ns`, with every byte at its own time.
   Output run_until(std::int64_t until_ns);

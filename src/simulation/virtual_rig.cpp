@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "as5600.h"
 #include "camera.h"
 #include "gyro.h"
 #include "hand.h"
@@ -17,7 +18,8 @@
 namespace thermorig::simulation {
 namespace {
 
-constexpr std::int64_t slice_ns = 10'000'000;  // how far the firmware runs ahead of the shaft
+constexpr std::int64_t slice_ns = 10'000'000;              // how far the firmware runs ahead of the shaft
+constexpr std::int64_t encoder_slice_ns = Shaft::step_ns;  // the same of one that reads the shaft
 
 // The shaft stays behind the firmware by more than the rounding of its clock, so that no pulse comes too late
 // for it and nothing depends on where a call to advance() ends.
@@ -98,6 +100,7 @@ struct VirtualRig::Parts {
   Shaft shaft;
   Camera camera;
   Gyro gyro;
+  std::optional<As5600> encoder;
   const CameraEncoder& camera_encoder;
   const GyroEncoder& gyro_encoder;
   Sender camera_sender, gyro_sender;
@@ -131,7 +134,9 @@ VirtualRig::Parts::Parts(const VirtualRigConfig& rig, std::unique_ptr<Firmware> 
                   {},
                   0,
                   rig.gyro_start == GyroStart::by_itself},
-      paths{path_of(rig, Device::camera), path_of(rig, Device::gyro), path_of(rig, Device::servo)} {}
+      paths{path_of(rig, Device::camera), path_of(rig, Device::gyro), path_of(rig, Device::servo)} {
+  if (rig.has_encoder) encoder.emplace(rig.world.encoder, rig.seed);
+}
 
 void VirtualRig::Parts::run_slice(std::int64_t until_ns) {
   run_servo(until_ns);
@@ -142,9 +147,11 @@ void VirtualRig::Parts::run_slice(std::int64_t until_ns) {
 }
 
 void VirtualRig::Parts::run_servo(std::int64_t until_ns) {
+  if (encoder && now_ns % encoder_slice_ns == 0) servo.sense(encoder->look(shaft));
   auto output = servo.run_until(until_ns);
   pass_on(Device::servo, output.bytes);
   for (const PulseEdge& pulse : output.pulses) plant.pulse(servo.end_ns(pulse), pulse.width_us);
+  if (encoder) encoder->take(output.writes);
   if (keep_truth) pulses.insert(pulses.end(), output.pulses.begin(), output.pulses.end());
 }
 
@@ -264,7 +271,11 @@ void VirtualRig::opened(Device device, HostTime now) {
 
 std::vector<Chunk> VirtualRig::advance(HostTime until) {
   const std::int64_t until_ns = parts_->rig_ns(until);
-  while (parts_->now_ns < until_ns) parts_->run_slice(std::min(parts_->now_ns + slice_ns, until_ns));
+  // An encoder looks at the shaft on a grid, wherever a call ends.
+  const auto end_ns = [&](std::int64_t now_ns) {
+    return parts_->encoder ? (now_ns / encoder_slice_ns + 1) * encoder_slice_ns : now_ns + slice_ns;
+  };
+  while (parts_->now_ns < until_ns) parts_->run_slice(std::min(end_ns(parts_->now_ns), until_ns));
   std::vector<Chunk> chunks;
   for (const Device device : all_devices)
     for (TimedBytes& read : parts_->paths[index_of(device)].reads(parts_->now_ns))

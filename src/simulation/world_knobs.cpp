@@ -22,6 +22,8 @@ constexpr auto gyro = knob_at<&World::gyro, Number>;
 template <auto Number>
 constexpr auto camera = knob_at<&World::camera, Number>;
 template <auto Number>
+constexpr auto encoder = knob_at<&World::encoder, Number>;
+template <auto Number>
 constexpr auto scene = knob_at<&World::scene, Number>;
 
 constexpr auto log_scale = KnobScale::log;
@@ -142,6 +144,17 @@ constexpr std::array all_knobs{
     Knob{"camera.turned_over", camera<&CameraWorld::turned_over>, "", 0, 1, "bridges differ",
          "1: its image is mirrored otherwise than the profile says; rounded", KnobScale::linear,
          Comes::when_named},
+
+    Knob{"encoder.once_deg", encoder<&EncoderWorld::once_deg>, "deg", 0, 2,
+         "assumed: a magnet up to 0.5 mm off the axis", "amplitude of an AS5600's error once a turn"},
+    Knob{"encoder.twice_deg", encoder<&EncoderWorld::twice_deg>, "deg", 0, 0.5,
+         "AS5600 data sheet: 1 deg in all with a centred magnet", "amplitude of its error twice a turn"},
+    Knob{"encoder.failed_reads", encoder<&EncoderWorld::failed_reads>, "", 0, 0.05,
+         "assumed: long wires, weak pull-ups", "share of its readings that fail", KnobScale::linear,
+         Comes::by_chance},
+    Knob{"encoder.weak_magnet", encoder<&EncoderWorld::weak_magnet>, "", 0, 1,
+         "AS5600 data sheet, STATUS: ML", "1: the magnet is too far off, twice the noise; rounded",
+         KnobScale::linear, Comes::when_named},
 
     Knob{"scene.distance_m", scene<&SceneWorld::distance_m>, "m", 0.7, 20, "assumed: a desk to a garden",
          "mean distance of what is seen, half and one and a half of it around the rig", log_scale},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One simulated rig in its world, used as a user would, and its session against the truth: one JSON object.
 // What hard_table.py makes its rows of.
-// Usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS [CAMERA]] | --knobs
+// Usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS [CAMERA]] [--encoder] | --knobs
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -96,6 +96,11 @@ void add_session(const bench::HardRecording& made, json& object) {
   object["warnings"] = said_json(session);
   object["reasons"] = made.result.quality.reason_counts;
   object["stated"] = stated_json(session);
+  object["speeds"] = json::array();
+  for (const session::Quality::Speed& speed : made.result.quality.speeds)
+    object["speeds"].push_back(
+        {{"rate_dps", speed.rate_dps}, {"frames", speed.frames}, {"valid", speed.valid}});
+  object["shaft"] = {{"used", session.sync.shaft.used}, {"why_not", session.sync.shaft.why_not}};
   object["speeds_without_frames_dps"] = json::array();
   for (const session::Quality::Speed& speed : made.result.quality.speeds)
     if (speed.valid == 0) object["speeds_without_frames_dps"].push_back(speed.rate_dps);
@@ -140,9 +145,12 @@ int main(int count, char** arguments) {
     fmt::print("{}\n", knobs_json().dump());
     return 0;
   }
+  const bool has_encoder = std::string(arguments[count - 1]) == "--encoder";
+  if (has_encoder) --count;
   if (count < 4 || count > 6) {
     fmt::print(stderr,
-               "usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS [CAMERA]] | --knobs\n");
+               "usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS [CAMERA]] [--encoder] | "
+               "--knobs\n");
     return 2;
   }
   try {
@@ -151,7 +159,8 @@ int main(int count, char** arguments) {
                                   .environment = arguments[2],
                                   .world = world,
                                   .calibrated_in = count > 4 ? arguments[4] : world,
-                                  .camera = count > 5 ? arguments[5] : "half"})
+                                  .camera = count > 5 ? arguments[5] : "half",
+                                  .has_encoder = has_encoder})
                            .dump());
   } catch (const std::exception& error) {
     fmt::print(stderr, "hard_case: {}\n", error.what());

@@ -20,6 +20,7 @@ simulation::VirtualRigConfig rig_in(const HardCase& hard, const std::string& env
   simulation::VirtualRigConfig config = simulation::default_rig(hard.seed, environment);
   simulation::put_in_world(simulation::world_named(world, hard.seed), config);
   simulation::choose_camera(hard.camera, config);
+  config.has_encoder = hard.has_encoder;
   if (profile != nullptr) config.profile = *profile;
   return config;
 }
@@ -59,6 +60,8 @@ void measure(CalibrationKind kind, const session::Session& session, RigProfile& 
       return calibration::apply(calibration::measure_bias(session), utc, profile);
     case CalibrationKind::lens:
       return calibration::apply(calibration::measure_lens(session), utc, profile);
+    case CalibrationKind::encoder:
+      return calibration::apply(calibration::measure_encoder(session), utc, profile);
     case CalibrationKind::check:  // says whether a profile still holds, and changes nothing in it
       break;
   }
@@ -90,6 +93,8 @@ HardRecording use(const HardCase& hard) {
        {CalibrationKind::latency, "latency"}}};
   for (const auto& [kind, name] : calibrations)
     calibrate(kind, name, hard, profile, made.refused_calibrations);
+  if (hard.has_encoder)
+    calibrate(CalibrationKind::encoder, "encoder", hard, profile, made.refused_calibrations);
   const rig::test::TemporaryFolder folder;
   try {
     Recorded recorded = record(rig_in(hard, hard.environment, hard.world, &profile),

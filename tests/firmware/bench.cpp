@@ -107,6 +107,7 @@ void Bench::advance(std::int64_t until_us) {
   now_us_ = std::max(now_us_, until_us);
   const simulation::FirmwareOutput output = firmware_->run_until(now_us_);
   pulses_.insert(pulses_.end(), output.pulses.begin(), output.pulses.end());
+  writes_.insert(writes_.end(), output.writes.begin(), output.writes.end());
   for (const simulation::UartByte& byte : output.bytes) {
     const servo_decoded decoded = servo_decoder_push(&decoder_, byte.value);
     if (decoded == SERVO_DECODED_FRAME)
@@ -125,6 +126,8 @@ void Bench::take(const Message& message) {
     telemetry_frames_.push_back(message);
   } else if (message.type == SERVO_EVENT) {
     events_.push_back({at[0], servo_get_u16(at + 1), servo_get_u32(at + 3)});
+  } else if (message.type == SERVO_SHAFT) {
+    shaft_.push_back({servo_get_u32(at), servo_get_u16(at + 4), at[6], at[7]});
   } else {
     answers_.push_back(message);
   }

@@ -58,6 +58,10 @@ class Bench {
   const std::vector<Message>& telemetry_frames() const { return telemetry_frames_; }
   const std::vector<servo_event>& events() const { return events_; }
   const std::vector<simulation::PulseEdge>& pulses() const { return pulses_; }
+  const std::vector<servo_shaft>& shaft() const { return shaft_; }
+  const std::vector<simulation::RegisterWrite>& writes() const { return writes_; }
+  /// An AS5600 on the I2C shows this from now on.
+  void sense(const simulation::SensorRegisters& registers) { firmware_->sense(registers); }
   servo_telemetry now() const { return telemetry_.empty() ? servo_telemetry{} : telemetry_.back(); }
   std::int64_t now_us() const { return now_us_; }
   std::uint8_t next_sequence = 1;
@@ -74,6 +78,8 @@ class Bench {
   std::vector<servo_telemetry> telemetry_;
   std::vector<servo_event> events_;
   std::vector<simulation::PulseEdge> pulses_;
+  std::vector<servo_shaft> shaft_;
+  std::vector<simulation::RegisterWrite> writes_;
 };
 
 /// Reason of a NACK, 0 for any other answer.

@@ -33,7 +33,9 @@ const std::map<std::string, Layout>& layouts() {
                                                  {"nack", {SERVO_NACK, "111"}},
                                                  {"telemetry", {SERVO_TELEMETRY, "4442112"}},
                                                  {"pong", {SERVO_PONG, "444"}},
-                                                 {"event", {SERVO_EVENT, "124"}}};
+                                                 {"event", {SERVO_EVENT, "124"}},
+                                                 {"hello_asking", {SERVO_HELLO, "11"}},
+                                                 {"shaft", {SERVO_SHAFT, "4211"}}};
   return all;
 }
 

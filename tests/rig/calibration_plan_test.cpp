@@ -13,12 +13,13 @@
 namespace thermorig::rig::test {
 namespace {
 
-constexpr CalibrationKind kinds[] = {CalibrationKind::bias, CalibrationKind::latency, CalibrationKind::scale,
-                                     CalibrationKind::orientation, CalibrationKind::lens};
+constexpr CalibrationKind kinds[] = {CalibrationKind::bias,  CalibrationKind::latency,
+                                     CalibrationKind::scale, CalibrationKind::orientation,
+                                     CalibrationKind::lens,  CalibrationKind::encoder};
 
-constexpr CalibrationKind all_kinds[] = {CalibrationKind::bias,  CalibrationKind::latency,
-                                         CalibrationKind::scale, CalibrationKind::orientation,
-                                         CalibrationKind::lens,  CalibrationKind::check};
+constexpr CalibrationKind all_kinds[] = {
+    CalibrationKind::bias, CalibrationKind::latency, CalibrationKind::scale,  CalibrationKind::orientation,
+    CalibrationKind::lens, CalibrationKind::check,   CalibrationKind::encoder};
 
 TEST(CalibrationPlan, CanBeDrivenByEveryServo) {
   for (const ServoProfile& servo :

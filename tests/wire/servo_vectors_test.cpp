@@ -73,6 +73,17 @@ wire::ServoMessage expected_message(const Described& message) {
   } else if (message.type == "pong") {
     expected.body =
         wire::ServoPong{.token = u32("token"), .receive_us = u32("receive_us"), .send_us = u32("send_us")};
+  } else if (message.type == "shaft") {
+    const std::uint8_t status = u8("status");
+    expected.body = ShaftReading{.mcu_us = u32("mcu_us"),
+                                 .angle_deg = static_cast<double>(message["raw"]) * 360.0 / 4096.0,
+                                 .uncertainty_deg = 0.05F,
+                                 .status = status == 0x01   ? ShaftStatus::silent
+                                           : status == 0x20 ? ShaftStatus::good
+                                           : status == 0x30 ? ShaftStatus::weak
+                                           : status == 0x28 ? ShaftStatus::strong
+                                                            : ShaftStatus::absent,
+                                 .gain = u16("gain")};
   } else {
     expected.body = wire::ServoEvent{.kind = u8("kind"), .detail = u16("detail"), .mcu_us = u32("mcu_us")};
   }
@@ -96,6 +107,7 @@ ServoProfile profile_of(const Described& configure) {
 std::optional<ByteVector> command_bytes(const Described& message) {
   const std::uint8_t sequence = message.sequence;
   if (message.type == "hello" && message["version"] == SERVO_LINK_VERSION) return wire::hello_bytes(sequence);
+  if (message.type == "hello_asking") return wire::asking_hello_bytes(sequence);
   if (message.type == "configure") return wire::configure_bytes(sequence, profile_of(message));
   if (message.type == "arm") return wire::arm_bytes(sequence, message.hundredths("angle_cdeg"));
   if (message.type == "disarm") return wire::disarm_bytes(sequence);

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from .checks import NotASession, require_regular, require_unaltered
 
-LABELS = ("rate_commanded", "rate_corrected", "rate_shaft")  # columns; `train --label` has the words behind "rate_"
+LABELS = ("rate_commanded", "rate_corrected", "rate_shaft", "rate_measured")  # columns; `train --label` has the words behind "rate_"
 PIXELS_C = (-60.0, 400.0)  # beyond them a pixel is no temperature
 MARK = 10  # of /events/kind
 NOTE, ENVIRONMENT = 0, 1  # of /annotations/kind
@@ -196,8 +196,9 @@ class Session:
     def label(self, name: str = "rate_commanded") -> NDArray[np.float32]:
         """Speed in deg/s, NaN where it is not known, by its column or by the word of `train --label`.
         `rate_commanded` ("commanded") is what was commanded, and what `train` learns unless it is told otherwise;
-        `rate_corrected` is the same, corrected by what the session measured of the servo; `rate_shaft` is what the servo model
-        makes of it. All are means over the frame's exposure. Without a servo each of them is the gyro's, `rate_shaft`."""
+        `rate_corrected` is the same, corrected by what the session measured of the servo; `rate_shaft` is what the shaft did:
+        measured, where a sensor on it is believed, else by the servo model; `rate_measured` is the sensor's alone, NaN where
+        there is none. All are means over the frame's exposure. Without a servo each of them is the gyro's, `rate_shaft`."""
         column = "rate_shaft" if self.is_labelled_by_gyro else _label_column(name)
         if column not in self.file["samples"]:
             raise ValueError(f"{self.path}: is of a format that had no {column}: thermorig reprocess {self.path}")

@@ -13,10 +13,11 @@ namespace thermorig {
 enum class Label : std::uint8_t {
   commanded,  // what the servo was told: the paper's
   corrected,  // the same, corrected by what the session measured of its servo
-  shaft,      // what the shaft did by the servo model
+  shaft,      // what the shaft did: measured, where something measures it, else by the servo model
+  measured,   // what a sensor on the shaft says, and nothing where there is none
 };
 
-inline constexpr std::array<std::string_view, 3> label_names{"commanded", "corrected", "shaft"};
+inline constexpr std::array<std::string_view, 4> label_names{"commanded", "corrected", "shaft", "measured"};
 
 /// "commanded".
 std::string_view name_of(Label label);

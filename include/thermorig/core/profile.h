@@ -136,6 +136,28 @@ struct ServoProfile {
   bool is_there() const { return kind != ServoKind::none; }
 };
 
+/// A sensor on the shaft. Its errors are those of what it sends: once a turn of a magnet off the axis, twice
+/// a turn of one that is tilted.
+struct EncoderProfile {
+  double latency_s = 0.0003;  // constant delay from the shaft's angle to the time of its reading
+  double latency_uncertainty_s = 0.0003;
+  int sign = 1;             // +1 or -1: so that a positive commanded speed makes the angle grow
+  double offset_deg = 0.0;  // where the shaft stands, by the command, when the sensor sends 0
+  double once_cosine_deg = 0.0, once_sine_deg = 0.0;    // sent - true, by cosine and sine of the angle sent
+  double twice_cosine_deg = 0.0, twice_sine_deg = 0.0;  // the same of twice that angle
+  double error_deg = 0.7;                               // what of such errors is left, root mean square
+  std::string measured_utc;                             // empty: assumptions, by which no label is made
+
+  /// Of the shaft, for an angle that was sent, whole turns in it or not.
+  double angle_deg(double sent_deg) const {
+    constexpr double rad = 3.14159265358979323846 / 180.0;
+    const double once = sent_deg * rad, twice = 2.0 * once;
+    const double error = once_cosine_deg * std::cos(once) + once_sine_deg * std::sin(once) +
+                         twice_cosine_deg * std::cos(twice) + twice_sine_deg * std::sin(twice);
+    return sign * (sent_deg - error) + offset_deg;
+  }
+};
+
 /// One rig: what is connected, and how. Each member has a line in
 /// src/storage/recording_header/profile_fields.cpp, by which it is read, written and checked: as TOML, in a
 /// journal, in a session.
@@ -144,6 +166,7 @@ struct RigProfile {
   CameraProfile camera;
   GyroProfile gyro;
   ServoProfile servo;
+  EncoderProfile encoder;
 
   /// Whether the rig has one: camera and gyro always, a servo by its kind.
   bool has(Device device) const { return device != Device::servo || servo.is_there(); }

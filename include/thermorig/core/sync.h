@@ -201,6 +201,19 @@ std::string_view name_of(Witness witness);
 /// The other way; none for any other text.
 Witness witness_named(std::string_view name);
 
+/// What measures the shaft, held against gyro and command.
+struct ShaftReport {
+  std::uint32_t readings = 0;
+  std::uint32_t unread = 0;  // of these: without an angle
+  std::uint32_t poor = 0;    // of these: with an angle by too weak or too strong a signal
+  bool used = false;         // labels are made by it
+  std::string why_not;       // ready to print; empty where it is used, and where nothing measures the shaft
+  // deg/s that it shows for each deg/s of the corrected gyro, and for each commanded; none: nothing to
+  // compare
+  std::optional<Estimate> gyro_share, command_share;
+  double error_deg = 0.0;  // of what repeats with each turn, root mean square
+};
+
 /// Everything of the kind.
 struct SyncReport {
   PerDevice<ClockReport> clock;
@@ -209,6 +222,7 @@ struct SyncReport {
   GyroErrors gyro;
   ServoResponse servo;
   Witnesses witnesses;
+  ShaftReport shaft;
 };
 
 }  // namespace thermorig

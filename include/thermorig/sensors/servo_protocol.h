@@ -30,6 +30,9 @@ struct ServoProtocol {
   double rate_hz;                 // telemetry messages a second
   double longest_gap_s;           // between two of them; more is a loss
   std::string_view shaft_sensor;  // what measures the shaft where its messages have ShaftReadings
+  // How far its angles are off by errors that repeat with each turn, root mean square, as its maker states.
+  // None: that depends on how it was put together, and has to be calibrated (EncoderProfile).
+  std::optional<double> shaft_error_deg;
 
   /// It is told what is sent to the servo as well, where answers are not to be understood without.
   ServoScanner (*scanner)(const ServoProfile& profile);

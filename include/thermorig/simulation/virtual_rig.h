@@ -73,6 +73,7 @@ struct VirtualRigConfig {
   std::optional<double> gyro_latency_s;
   CameraStart camera_start = CameraStart::by_itself;
   GyroStart gyro_start = GyroStart::by_itself;
+  bool has_encoder = false;         // an AS5600 on the shaft
   bool gyro_zeroes_itself = false;  // at rest, after a second, as WitMotion's do
   DynamixelHabits dynamixel;        // of a servo that speaks that
   GrblHabits grbl;                  // likewise

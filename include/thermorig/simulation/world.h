@@ -76,6 +76,14 @@ struct CameraWorld {
   double turned_over = 0.0;
 };
 
+/// An AS5600 on the shaft, if the rig has one.
+struct EncoderWorld {
+  double once_deg = 0.3;
+  double twice_deg = 0.1;
+  double failed_reads = 0.0;
+  double weak_magnet = 0.0;
+};
+
 /// What stands, walks and shines around the rig.
 struct SceneWorld {
   double distance_m = 3.0;
@@ -93,6 +101,7 @@ struct World {
   LinksWorld links;
   GyroWorld gyro;
   CameraWorld camera;
+  EncoderWorld encoder;
   SceneWorld scene;
 };
 

@@ -203,6 +203,8 @@ float rate_of(const LabelledSample& sample, Label label) {
       return sample.rate_corrected_dps;
     case Label::shaft:
       return sample.rate_shaft_dps;
+    case Label::measured:
+      return sample.rate_measured_dps;
   }
   return std::numeric_limits<float>::quiet_NaN();
 }
@@ -245,6 +247,12 @@ void add_estimates(Acquisition& acquisition, const session::Session& session, in
 
 void require_label(const session::Session& session, Label label, const std::filesystem::path& file) {
   const unsigned needed = label == Label::corrected ? 3 : label == Label::shaft ? 2 : 1;
+  if (label == Label::measured && !session.sync.shaft.used) {
+    const std::string& why = session.sync.shaft.why_not;
+    throw Error(ExitCode::check_failed,
+                "the session has no measured speeds: " + (why.empty() ? "nothing measured its shaft" : why),
+                file.string(), "--label shaft (measured where it was, else by the servo model)");
+  }
   if (session.label_version >= needed) return;
   throw Error(ExitCode::check_failed,
               fmt::format("the session is of a format that had no {}", column_of(label)), file.string(),

@@ -71,6 +71,12 @@ Table samples_of(const Session& session) {
   columns.add("rate_shaft", "deg/s", [](const Row& row) { return row.rate_shaft_dps; });
   columns.add("rate_shaft_uncertainty", "deg/s",
               [](const Row& row) { return row.rate_shaft_uncertainty_dps; });
+  if (!session.raw.header.shaft_sensor.empty()) {
+    columns.add("rate_measured", "deg/s", [](const Row& row) { return row.rate_measured_dps; });
+    columns.add("rate_measured_uncertainty", "deg/s",
+                [](const Row& row) { return row.rate_measured_uncertainty_dps; });
+    columns.add("angle_measured", "deg", [](const Row& row) { return row.angle_measured_deg; });
+  }
   columns.add("rate_gyro", "deg/s", [](const Row& row) { return row.rate_gyro_dps; });
   columns.add("gyro_count", "", [](const Row& row) { return row.gyro_count; });
   columns.add("gyro_spread", "deg/s", [](const Row& row) { return row.gyro_spread_dps; });

@@ -31,6 +31,10 @@ LabelConfig label_config(const RigProfile& profile, const std::optional<SyncRepo
   config.servo = profile.servo;
   config.gyro_profile = profile.gyro;
   config.latency_uncertainty_s = time_uncertainty_s(profile, sync);
+  // Live, nothing has held it against gyro and command yet.
+  config.by_sensor = sync ? sync->shaft.used : !profile.encoder.measured_utc.empty();
+  config.sensor_error_deg = sync ? sync->shaft.error_deg : profile.encoder.error_deg;
+  config.sensor_latency_uncertainty_s = profile.encoder.latency_uncertainty_s;
   if (!sync) return config;
   config.response = sync->servo;
   config.gyro = sync->gyro;

@@ -128,9 +128,12 @@ bool is_unsteady(const GyroMean& gyro, double noise_dps, double tolerance_dps) {
   return gyro.spread_dps * gyro.spread_dps > tolerance_dps * tolerance_dps + explained_dps2 + chance_dps2;
 }
 
-constexpr double disagreement = 3.0;        // standard deviations
-constexpr double longest_shift_s = 1.0;     // beyond it a time says nothing
-constexpr double hardly_turning_dps = 1.0;  // slower, a share of the travel passed is none
+constexpr double disagreement = 3.0;     // standard deviations
+constexpr double longest_shift_s = 1.0;  // beyond it a time says nothing
+constexpr double degree_rad = 3.14159265358979323846 / 180.0;
+constexpr double most_apart = 1.4142135623730951;  // of two errors that do not know of each other
+constexpr double errors_a_turn = 2.0;              // that a sensor's error repeats twice a turn
+constexpr double hardly_turning_dps = 1.0;         // slower, a share of the travel passed is none
 
 std::uint32_t bit_if(Reason reason, bool holds) {
   return holds ? bit(reason) : 0U;
@@ -202,7 +205,8 @@ void Labeller::add(const TimedServo& servo) {
 bool Labeller::has_all_until(HostTime end) const {
   const bool has_servo = config_.by_gyro || (command_.reaches(end) && shaft_.reaches(end));
   const HostDuration behind = from_s(config_.gyro ? MeasuredTrack::reach_s : 0.0);  // live, nobody waits
-  return has_servo && gyro_.reaches(end) && (!measured_.is_there() || measured_.reaches(end + behind));
+  return has_servo && gyro_.reaches(end) &&
+         (!config_.by_sensor || !measured_.is_there() || measured_.reaches(end + behind));
 }
 
 std::vector<LabelledSample> Labeller::take(HostTime now) {
@@ -235,9 +239,9 @@ LabelledSample Labeller::label(const PendingFrame& frame) {
   } else {
     label_motion(sample, frame);
     label_halves(sample, frame);
+    label_measured(sample, frame);
     label_gyro(sample);
   }
-  label_measured(sample, frame);
   const std::uint32_t harmless =
       config_.warm_up_invalidates ? warning_bits & ~bit(Reason::warm_up) : warning_bits;
   sample.valid = (sample.reason_bits & ~harmless) == 0;
@@ -310,8 +314,10 @@ void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) {
     const auto& [begin, end] = frame.half[i];
     std::optional<Half>& half = halves_[i];
     if (!half || half->exposure != frame.half[i])
-      half = Half{frame.half[i], rates(begin, end), gyro_.mean_dps(begin, end),
-                  measured_.rate_dps(begin, end).value_or(Estimate{unknown, unknown}).value};
+      half =
+          Half{frame.half[i], rates(begin, end), gyro_.mean_dps(begin, end),
+               config_.by_sensor ? measured_.rate_dps(begin, end).value_or(Estimate{unknown, unknown}).value
+                                 : unknown};
     sample.rate_commanded_half_dps[i] = static_cast<float>(half->mean.commanded_dps);
     sample.rate_shaft_half_dps[i] = static_cast<float>(half->mean.model_dps);
     sample.rate_corrected_half_dps[i] = static_cast<float>(half->mean.corrected_dps);
@@ -321,21 +327,49 @@ void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) {
   }
 }
 
-void Labeller::label_measured(LabelledSample& sample, const PendingFrame& frame) const {
+/// Largest change of the measured speed when the exposure is moved by half or all of `time_s`, either way.
+double Labeller::measured_time_error_dps(HostTime begin, HostTime end, double time_s) const {
+  const auto here = measured_.rate_dps(begin, end);
+  double error_dps = 0.0;
+  for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
+    const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
+    const auto moved = measured_.rate_dps(begin + shift, end + shift);
+    if (here && moved) error_dps = std::max(error_dps, std::abs(moved->value - here->value));
+  }
+  return error_dps;
+}
+
+/// What a sensor on the shaft says is what the shaft did. How far the commanded speeds are from it is known
+/// then, frame by frame.
+void Labeller::label_measured(LabelledSample& sample, const PendingFrame& frame) {
+  if (!config_.by_sensor) return;
   if (const auto angle = measured_.angle_deg(sample.time)) sample.angle_measured_deg = angle->value;
   const HostTime begin = sample.exposure_begin, end = sample.exposure_end;
   const auto rate = measured_.rate_dps(begin, end);
   if (!rate) return;
-  const double time_s = std::hypot(double{frame.stamp.uncertainty_s},
-                                   double{measured_.time_uncertainty_s(end)}, config_.latency_uncertainty_s);
-  double time_dps = 0.0;
-  for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
-    const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
-    const auto moved = measured_.rate_dps(begin + shift, end + shift);
-    if (moved) time_dps = std::fmax(time_dps, std::abs(moved->value - rate->value));
-  }
+  const double time_s =
+      std::hypot(std::hypot(double{frame.stamp.uncertainty_s}, double{measured_.time_uncertainty_s(end)}),
+                 config_.latency_uncertainty_s, config_.sensor_latency_uncertainty_s);
+  const double length_s = to_s(end - begin);
+  const double turned_rad = rate->value * length_s * degree_rad;
+  const double repeats_deg =
+      config_.sensor_error_deg * std::fmin(most_apart, errors_a_turn * std::abs(turned_rad));
+  const double own_dps = std::hypot(rate->uncertainty, repeats_deg / length_s);
+  const auto uncertainty_dps =
+      static_cast<float>(std::hypot(own_dps, measured_time_error_dps(begin, end, time_s)));
   sample.rate_measured_dps = static_cast<float>(rate->value);
-  sample.rate_measured_uncertainty_dps = static_cast<float>(std::hypot(rate->uncertainty, time_dps));
+  sample.rate_measured_uncertainty_dps = uncertainty_dps;
+  sample.rate_shaft_dps = sample.rate_measured_dps;
+  sample.rate_shaft_uncertainty_dps = uncertainty_dps;
+  sample.rate_shaft_min_dps = std::fmin(sample.rate_shaft_min_dps, sample.rate_shaft_dps);
+  sample.rate_shaft_max_dps = std::fmax(sample.rate_shaft_max_dps, sample.rate_shaft_dps);
+  for (std::size_t half = 0; half < sample.rate_shaft_half_dps.size(); ++half)
+    if (std::isfinite(sample.rate_measured_half_dps[half]))
+      sample.rate_shaft_half_dps[half] = sample.rate_measured_half_dps[half];
+  sample.rate_commanded_uncertainty_dps =
+      std::hypot(sample.rate_commanded_dps - sample.rate_measured_dps, uncertainty_dps);
+  sample.rate_corrected_uncertainty_dps =
+      std::hypot(sample.rate_corrected_dps - sample.rate_measured_dps, uncertainty_dps);
 }
 
 double Labeller::tolerance_dps(const LabelledSample& sample) const {
@@ -425,7 +459,8 @@ void Labeller::label_gyro(LabelledSample& sample) {
   const GyroMean mean = note_gyro(sample);
   if (sample.leg != 0) motion_noise_.add(mean);
   sample.reason_bits |= gyro_reasons(sample, mean);
-  if ((sample.reason_bits & bit(Reason::gyro_unsteady)) != 0) widen(sample, mean);
+  const bool is_measured = std::isfinite(sample.rate_measured_dps);
+  if (!is_measured && (sample.reason_bits & bit(Reason::gyro_unsteady)) != 0) widen(sample, mean);
   if (!config_.gyro) learn_bias(sample, mean);
 }
 
@@ -468,6 +503,7 @@ bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro
                               double spread_dps) const {
   if (contradicts_command(response_, sample.rate_commanded_dps)) return true;
   if (std::isnan(sample.rate_shaft_dps)) return false;
+  if (std::isfinite(sample.rate_measured_dps)) return gyro_disagrees_with_sensor(sample, gyro, noise_dps);
   // Whole samples stand for an exposure that begins and ends anywhere between two of them.
   const double time_s =
       std::hypot(response_.delay_uncertainty_s, gyro.time_uncertainty_s, between_samples_s());
@@ -477,6 +513,23 @@ bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro
   const double deviations = gyro_z_score(bias_.errors(), response_, gyro, noise_dps, bias_dps, shaft_dps,
                                          std::hypot(time_dps, spread_dps));
   return std::abs(deviations) > disagreement;
+}
+
+/// What the sensor states holds all that the shaft does within the exposure.
+bool Labeller::gyro_disagrees_with_sensor(const LabelledSample& sample, const GyroMean& gyro,
+                                          double noise_dps) const {
+  const GyroErrors& errors = bias_.errors();
+  if (gyro.count == 0 || gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return false;
+  const double corrected_dps = (gyro.rate_dps - bias_dps_at(errors, sample.time)) / errors.scale.value;
+  const double measured_dps = sample.rate_measured_dps;
+  const double time_dps = measured_time_error_dps(
+      sample.exposure_begin, sample.exposure_end,
+      std::hypot(double{gyro.time_uncertainty_s}, between_samples_s(), errors.filter_delay_s.uncertainty));
+  const double gyro_dps = std::hypot(std::hypot(errors.bias_dps->uncertainty, least_gyro_error_dps,
+                                                noise_dps / std::sqrt(static_cast<double>(gyro.count))),
+                                     time_dps, errors.scale.uncertainty * measured_dps);
+  const double known_dps = std::hypot(gyro_dps, double{sample.rate_measured_uncertainty_dps});
+  return std::abs(corrected_dps - measured_dps) > disagreement * known_dps;
 }
 
 /// A frame that was exposed while the servo had long been at rest shows the gyro's bias.

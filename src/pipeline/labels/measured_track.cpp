@@ -10,7 +10,7 @@ namespace thermorig::labels {
 namespace {
 
 // Either way of an instant, the narrowest first.
-constexpr std::array reaches_s{0.0075, 0.0125, 0.025, MeasuredTrack::reach_s};
+constexpr std::array reaches_s{0.0055, 0.0125, 0.025, MeasuredTrack::reach_s};
 constexpr double longest_silence_s = 0.03;  // an instant further from a reading is not measured
 constexpr std::size_t fewest_points = 3;
 constexpr double line_chance_deviations = 2.0;

@@ -67,6 +67,18 @@ void apply(const OrientationResult& result, const std::string& utc, RigProfile& 
   profile.camera.orientation_measured_utc = utc;
 }
 
+void apply(const EncoderResult& result, const std::string& utc, RigProfile& profile) {
+  EncoderProfile& encoder = profile.encoder;
+  encoder.sign = result.encoder.sign;
+  encoder.offset_deg = rounded(result.encoder.offset_deg);
+  encoder.once_cosine_deg = rounded(result.encoder.once_cosine_deg);
+  encoder.once_sine_deg = rounded(result.encoder.once_sine_deg);
+  encoder.twice_cosine_deg = rounded(result.encoder.twice_cosine_deg);
+  encoder.twice_sine_deg = rounded(result.encoder.twice_sine_deg);
+  encoder.error_deg = rounded(result.encoder.error_deg);
+  encoder.measured_utc = utc;
+}
+
 void apply(const LensResult& result, const std::string& utc, RigProfile& profile) {
   const auto value = [](const std::optional<Estimate>& told) {
     return told && is_not_plain(*told) ? rounded(told->value) : 0.0;
@@ -157,6 +169,7 @@ void take_calibrations(const RigProfile& from, RigProfile& into) {
   take_latency(from, into);
   take_lens(from.camera, into.camera);
   if (into.gyro.axis == from.gyro.axis && into.gyro.sign == from.gyro.sign) take_gyro(from.gyro, into.gyro);
+  if (!from.encoder.measured_utc.empty()) into.encoder = from.encoder;
   if (from.servo.scale_measured_utc.empty()) return;
   into.servo.scale = from.servo.scale;
   into.servo.scale_uncertainty = from.servo.scale_uncertainty;

@@ -100,4 +100,37 @@ LensResult combined(std::span<const LensResult> results) {
   return all;
 }
 
+/// Errors are means of vectors, each a cosine and a sine; a zero is that of the first session.
+EncoderResult combined(std::span<const EncoderResult> results) {
+  EncoderResult all = results.front();
+  const auto mean = [&](double EncoderProfile::*value) {
+    return mean_of(results, [&](const EncoderResult& one) {
+      return std::optional(Estimate{one.encoder.*value, one.encoder.error_deg});
+    });
+  };
+  const auto member = {&EncoderProfile::once_cosine_deg, &EncoderProfile::once_sine_deg,
+                       &EncoderProfile::twice_cosine_deg, &EncoderProfile::twice_sine_deg};
+  double uncertainty = 0.0;
+  for (double EncoderProfile::*const value : member) {
+    const Estimate found = mean(value);
+    all.encoder.*value = found.value;
+    uncertainty = std::max(uncertainty, found.uncertainty);
+  }
+  all.encoder.error_deg = uncertainty;
+  all.once_deg = std::hypot(all.encoder.once_cosine_deg, all.encoder.once_sine_deg);
+  all.twice_deg = std::hypot(all.encoder.twice_cosine_deg, all.encoder.twice_sine_deg);
+  all.gyro_share = mean_of(results, [](const EncoderResult& one) { return std::optional(one.gyro_share); });
+  all.turned_deg = 0.0;
+  all.legs = 0;
+  for (const EncoderResult& result : results) {
+    if (result.encoder.sign != all.encoder.sign)
+      throw Error(ExitCode::finished_lossy,
+                  "the sessions contradict each other about the encoder's direction", "calibrate encoder",
+                  "sessions of one rig only, put together in the same way");
+    all.turned_deg += result.turned_deg;
+    all.legs += result.legs;
+  }
+  return all;
+}
+
 }  // namespace thermorig::calibration

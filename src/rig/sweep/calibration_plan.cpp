@@ -24,6 +24,12 @@ constexpr double lens_leg_s = 10.5;     // 420 deg at the slow speed
 constexpr double lens_fast_dps = 60.0;  // images are still sharp
 constexpr double lens_shares[] = {2.0 / 3.0, 1.0};
 constexpr int lens_legs = 16;
+constexpr double encoder_fast_dps = 200.0;
+constexpr double encoder_usual_dps = 100.0;
+constexpr double encoder_shortest_s = 1.5;
+constexpr double encoder_longest_s = 6.0;
+constexpr int encoder_legs = 12;
+constexpr int encoder_short_legs = 36;
 constexpr double check_rest_s = 4.0;  // seven spectra of the gyro's noise, with the closing one
 constexpr double check_end_s = 2.0;
 constexpr double check_leg_s = 3.0;
@@ -105,6 +111,18 @@ SweepPlan lens_plan(const ServoProfile& servo, const CameraProfile& camera) {
   return plan;
 }
 
+// Errors of the gyro that repeat with each turn count the less the faster it turns, and many turns tell more.
+// A servo of little travel has short legs instead of slow ones, and more of them.
+SweepPlan encoder_plan(const ServoProfile& servo, const CameraProfile& camera) {
+  constexpr double shares[] = {1.0, 0.75, 0.5};
+  const double leg_s =
+      std::clamp(stroke_deg(servo) / encoder_usual_dps, encoder_shortest_s, encoder_longest_s);
+  SweepPlan plan = moving_plan("calibrate-encoder", frames_in(leg_s, camera));
+  const double fastest_dps = speed_within_stroke(encoder_fast_dps, plan.frames_per_leg, servo, camera);
+  add_reversals(leg_s < encoder_longest_s ? encoder_short_legs : encoder_legs, fastest_dps, shares, plan);
+  return plan;
+}
+
 // The slow speed first: the fast one is held against what it reaches. Two legs of it in a row are a
 // turn, and images tell it more surely there and back.
 SweepPlan check_plan_of(const ServoProfile& servo, const CameraProfile& camera) {
@@ -146,6 +164,8 @@ SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, cons
       return lens_plan(servo, camera);
     case CalibrationKind::check:
       return check_plan_of(servo, camera);
+    case CalibrationKind::encoder:
+      return encoder_plan(servo, camera);
     case CalibrationKind::bias:
       break;
   }

@@ -68,7 +68,7 @@ void ServoCommander::greet() {
   armed_ = false;
   welcome_.reset();
   configure_tries_ = 0;
-  push(SERVO_HELLO, wire::hello_bytes);
+  push(SERVO_HELLO, wire::asking_hello_bytes);
   disarm();  // an earlier recorder that was killed leaves it armed
   push(SERVO_CONFIGURE,
        [servo = servo_](std::uint8_t sequence) { return wire::configure_bytes(sequence, servo); });

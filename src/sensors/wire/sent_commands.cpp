@@ -32,6 +32,15 @@ std::size_t payload_size(std::uint8_t type) {
   }
 }
 
+/// A hello may be longer than this version knows.
+bool has_known_size(std::uint8_t type, std::size_t size) {
+  return type == SERVO_HELLO ? size >= SERVO_HELLO_SIZE : size == payload_size(type);
+}
+
+bool asks_for_shaft(const SentFrame& hello) {
+  return hello.payload.size() >= SERVO_HELLO_ASKING_SIZE && (hello.payload[1] & SERVO_ASK_SHAFT) != 0;
+}
+
 double hundredths(const std::uint8_t* at) {
   return 0.01 * static_cast<std::int32_t>(servo_get_u32(at));
 }
@@ -61,7 +70,8 @@ std::string payload_text(const SentFrame& frame) {
   const std::uint8_t* at = frame.payload.data();
   switch (frame.type) {
     case SERVO_HELLO:
-      return fmt::format("hello of version {}", at[0]);
+      return fmt::format("hello of version {}{}", at[0],
+                         asks_for_shaft(frame) ? ", asking for the shaft" : "");
     case SERVO_CONFIGURE:
       return configure_text(at);
     case SERVO_ARM:
@@ -91,7 +101,7 @@ void for_each_sent(std::span<const std::uint8_t> bytes, const std::function<void
     if (decoded == SERVO_DECODED_STOP) take({stop_byte_type, 0, {}, {i, i + 1}});
     if (decoded == SERVO_DECODED_FRAME) {
       const std::span payload(decoder.body + 2, servo_decoder_payload_size(&decoder));
-      if (payload.size() == payload_size(decoder.body[0]))
+      if (has_known_size(decoder.body[0], payload.size()))
         take({decoder.body[0], decoder.body[1], {payload.begin(), payload.end()}, {begin, i + 1}});
     }
     if (bytes[i] == SERVO_LINK_FLAG) begin = decoded == SERVO_DECODED_FRAME ? i + 1 : i;

@@ -76,6 +76,10 @@ std::vector<std::uint8_t> hello_bytes(std::uint8_t sequence) {
   return PayloadWriter().u8(SERVO_LINK_VERSION).frame(SERVO_HELLO, sequence);
 }
 
+std::vector<std::uint8_t> asking_hello_bytes(std::uint8_t sequence) {
+  return PayloadWriter().u8(SERVO_LINK_VERSION).u8(SERVO_ASK_SHAFT).frame(SERVO_HELLO, sequence);
+}
+
 std::vector<std::uint8_t> configure_bytes(std::uint8_t sequence, const ServoProfile& servo) {
   const double limit_deg = angle_limit_deg(servo);
   return PayloadWriter()

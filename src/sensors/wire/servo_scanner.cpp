@@ -100,6 +100,30 @@ ServoEvent read_event(PayloadReader in) {
   return event;
 }
 
+/// An AS5600's steps; what they and its noise, as our CONF has it, make of one reading: 0.025 and 0.043 deg.
+ShaftReading read_shaft(PayloadReader in) {
+  ShaftReading reading;
+  reading.mcu_us = in.u32();
+  reading.angle_deg = in.u16() * (360.0 / SERVO_SHAFT_STEPS);
+  reading.uncertainty_deg = 0.05F;
+  const std::uint8_t status = in.u8();
+  const auto has = [status](unsigned bits) { return (status & bits) != 0; };
+  reading.status = has(SERVO_SHAFT_UNREAD)          ? ShaftStatus::silent
+                   : !has(SERVO_SHAFT_MAGNET_FOUND) ? ShaftStatus::absent
+                   : has(SERVO_SHAFT_MAGNET_STRONG) ? ShaftStatus::strong
+                   : has(SERVO_SHAFT_MAGNET_WEAK)   ? ShaftStatus::weak
+                                                    : ShaftStatus::good;
+  reading.gain = in.u8();
+  return reading;
+}
+
+/// A raw angle beyond the turn is no angle.
+std::optional<ServoBody> read_known_shaft(PayloadReader in) {
+  const ShaftReading reading = read_shaft(in);
+  if (reading.angle_deg >= reading.turn_deg) return std::nullopt;
+  return reading;
+}
+
 /// The first byte is the version in every version of the link; the rest may have changed.
 bool is_foreign_welcome(std::uint8_t type, std::span<const std::uint8_t> payload) {
   return type == SERVO_WELCOME && !payload.empty() && payload[0] != SERVO_LINK_VERSION;
@@ -132,6 +156,8 @@ std::size_t servo_payload_size(std::uint8_t type) {
       return SERVO_PONG_SIZE;
     case SERVO_EVENT:
       return SERVO_EVENT_SIZE;
+    case SERVO_SHAFT:
+      return SERVO_SHAFT_SIZE;
     default:
       return 0;
   }
@@ -156,6 +182,8 @@ std::optional<ServoBody> read_servo_payload(std::uint8_t type, std::span<const s
       return read_pong(in);
     case SERVO_EVENT:
       return read_event(in);
+    case SERVO_SHAFT:
+      return read_known_shaft(in);
     default:
       return std::nullopt;
   }
@@ -270,8 +298,9 @@ void ServoScanner::book_damage(std::uint64_t bytes) {
   ledger_.book_gap(bytes);
 }
 
-/// Telemetry and events each count their own sequence, from 0 after a reset. The same telemetry again is a
-/// repeated frame, not 255 lost ones. Answers carry their command's number, which says nothing about losses.
+/// Telemetry, events and readings of the shaft each count their own sequence, from 0 after a reset. The same
+/// telemetry again is a repeated frame, not 255 lost ones. Answers carry their command's number, which says
+/// nothing about losses.
 bool ServoScanner::find_loss(const ServoMessage& message) {
   const bool gap = ledger_.take_gap();
   if (const auto* state = std::get_if<ServoState>(&message.body)) {
@@ -279,9 +308,12 @@ bool ServoScanner::find_loss(const ServoMessage& message) {
     telemetry_mcu_us_ = state->mcu_us;
     return !repeated && count_missing(telemetry_sequence_, message.sequence);
   }
+  if (std::holds_alternative<ShaftReading>(message.body))
+    return count_missing(shaft_sequence_, message.sequence);
   if (const auto* event = std::get_if<ServoEvent>(&message.body)) {
     if (event->kind == SERVO_EVENT_RESET) {
       telemetry_sequence_.reset();
+      shaft_sequence_.reset();
       event_sequence_.reset();
     }
     return count_missing(event_sequence_, message.sequence);

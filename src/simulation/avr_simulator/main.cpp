@@ -4,6 +4,7 @@
 // version 3. thermorig itself never links it: they talk through pipes
 // (thermorig/simulated_ports/lock_step.h).
 #include <simavr/avr_ioport.h>
+#include <simavr/avr_twi.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
 #include <simavr/sim_hex.h>
@@ -33,7 +34,21 @@ constexpr std::int64_t uart_cycles = 11 * 64;
   std::exit(1);
 }
 
+constexpr std::uint8_t sensor_address = 0x36;
+
+/// A slave on the TWI: simavr hands it the conditions and bytes of the bus as messages, and takes its
+/// acknowledgements and bytes in the same way.
+struct Slave {
+  Sensor registers;
+  avr_irq_t* irqs = nullptr;  // TWI_IRQ_INPUT: to the master; TWI_IRQ_OUTPUT: from it
+  std::uint8_t selected = 0;  // the address byte that it answered; 0: none
+  bool has_pointer = false;   // the first byte that is written is the register's address
+  std::uint8_t pointer = 0;
+  std::vector<RegisterByte> writes;
+};
+
 struct Machine {
+  Slave slave;
   avr_t* avr = nullptr;
   avr_irq_t* uart_input = nullptr;
   std::deque<TimedByte> waiting;
@@ -92,6 +107,58 @@ void connect_uart(Machine& machine) {
                           &machine);
 }
 
+std::uint8_t register_of(const Sensor& sensor, std::uint8_t address) {
+  if (sensor.bus == 2) return 0xFF;
+  if (address == 0x0B) return sensor.status;
+  if (address == 0x0C || address == 0x0E) return static_cast<std::uint8_t>(sensor.raw >> 8U);
+  if (address == 0x0D || address == 0x0F) return static_cast<std::uint8_t>(sensor.raw & 0xFFU);
+  return address == 0x1A ? sensor.gain : 0;
+}
+
+void answer_bus(Slave& slave, std::uint8_t condition, std::uint8_t data) {
+  avr_raise_irq(slave.irqs + TWI_IRQ_INPUT, avr_twi_irq_msg(condition, slave.selected, data));
+}
+
+void on_bus(avr_irq_t*, std::uint32_t value, void* param) {
+  auto& slave = *static_cast<Slave*>(param);
+  avr_twi_msg_irq_t message;
+  message.u.v = value;
+  const auto& bus = message.u.twi;
+  if ((bus.msg & TWI_COND_STOP) != 0) slave.selected = 0;
+  if ((bus.msg & TWI_COND_START) != 0) {
+    slave.selected = 0;
+    const bool answers = slave.registers.is_there != 0 && slave.registers.bus != 1;
+    if (answers && (bus.addr >> 1U) == sensor_address) {
+      slave.selected = bus.addr;
+      slave.has_pointer = false;
+      answer_bus(slave, TWI_COND_ACK, 1);
+    }
+  }
+  if (slave.selected == 0) return;
+  if ((bus.msg & TWI_COND_WRITE) != 0) {
+    answer_bus(slave, TWI_COND_ACK, 1);
+    if (slave.has_pointer)
+      slave.writes.push_back({slave.pointer++, static_cast<std::uint8_t>(bus.data)});
+    else
+      slave.pointer = static_cast<std::uint8_t>(bus.data);
+    slave.has_pointer = true;
+  }
+  if ((bus.msg & TWI_COND_READ) != 0)
+    answer_bus(slave, TWI_COND_READ, register_of(slave.registers, slave.pointer++));
+}
+
+/// Of the two interrupts of a part on the bus, the first leads to the master (simavr/avr_twi.h).
+void connect_bus(Machine& machine) {
+  static const char* names[2] = {"8>sensor.out", "32<sensor.in"};
+  Slave& slave = machine.slave;
+  slave.irqs = avr_alloc_irq(&machine.avr->irq_pool, 0, 2, names);
+  avr_irq_register_notify(slave.irqs + TWI_IRQ_OUTPUT, on_bus, &slave);
+  avr_connect_irq(slave.irqs + TWI_IRQ_INPUT,
+                  avr_io_getirq(machine.avr, AVR_IOCTL_TWI_GETIRQ(0), TWI_IRQ_INPUT));
+  avr_connect_irq(avr_io_getirq(machine.avr, AVR_IOCTL_TWI_GETIRQ(0), TWI_IRQ_OUTPUT),
+                  slave.irqs + TWI_IRQ_OUTPUT);
+}
+
 void load(Machine& machine, const char* path) {
   std::uint32_t size = 0, begin = 0;
   const std::unique_ptr<std::uint8_t, decltype(&std::free)> image(read_ihex_file(path, &size, &begin),
@@ -105,6 +172,7 @@ void load(Machine& machine, const char* path) {
   machine.avr->sleep = do_not_wait;
   avr_loadcode(machine.avr, image.get(), size, begin);
   connect_uart(machine);
+  connect_bus(machine);
   avr_irq_register_notify(avr_io_getirq(machine.avr, AVR_IOCTL_IOPORT_GETIRQ('B'), 2), on_servo_pin,
                           &machine);
 }
@@ -131,17 +199,20 @@ void write_items(std::FILE* to, const std::vector<Item>& items) {
 }
 
 void reply(Machine& machine, std::FILE* to) {
-  const RunReply head{machine.sent.size(), machine.pulses.size()};
+  const RunReply head{machine.sent.size(), machine.pulses.size(), machine.slave.writes.size()};
   if (std::fwrite(&head, sizeof head, 1, to) != 1) std::exit(0);
   write_items(to, machine.sent);
   write_items(to, machine.pulses);
+  write_items(to, machine.slave.writes);
   std::fflush(to);
   machine.sent.clear();
   machine.pulses.clear();
+  machine.slave.writes.clear();
 }
 
 bool read_request(Machine& machine, RunRequest& request) {
   if (std::fread(&request, sizeof request, 1, stdin) != 1) return false;
+  machine.slave.registers = request.sensor;
   for (std::uint64_t i = 0; i < request.bytes; ++i) {
     TimedByte byte;
     if (std::fread(&byte, sizeof byte, 1, stdin) != 1) return false;

@@ -138,8 +138,16 @@ class AvrFirmware final : public simulation::Firmware {
 
   void receive(std::uint8_t byte, std::int64_t time_us) override { waiting_.push_back({time_us, byte}); }
 
+  void sense(const simulation::SensorRegisters& registers) override {
+    sensor_ = {.is_there = 1,
+               .bus = static_cast<std::uint8_t>(registers.bus),
+               .status = registers.status,
+               .gain = registers.gain,
+               .raw = registers.raw};
+  }
+
   simulation::FirmwareOutput run_until(std::int64_t time_us) override {
-    const RunRequest request{time_us, waiting_.size()};
+    const RunRequest request{time_us, waiting_.size(), sensor_};
     child_.write(&request, sizeof request);
     child_.write(waiting_.data(), waiting_.size() * sizeof(TimedByte));
     waiting_.clear();
@@ -157,11 +165,14 @@ class AvrFirmware final : public simulation::Firmware {
       output.bytes.push_back({byte.time_us, static_cast<std::uint8_t>(byte.value)});
     for (const TimedPulse& pulse : read_items<TimedPulse>(child_, head.pulses))
       output.pulses.push_back({pulse.rise_us, pulse.width_us});
+    for (const RegisterByte& write : read_items<RegisterByte>(child_, head.writes))
+      output.writes.push_back({write.address, write.value});
     return output;
   }
 
   Child child_;
   std::vector<TimedByte> waiting_;
+  Sensor sensor_;
 };
 
 }  // namespace

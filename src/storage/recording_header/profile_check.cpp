@@ -64,6 +64,8 @@ Problem problem_of_value(const ProfileField& field, const FieldValue& value) {
 /// Whether values that are allowed go together.
 Problem problem_of_all(const RigProfile& profile) {
   if (profile.gyro.sign == 0) return ProfileProblem{"gyro", "sign", "sign = 0 is out of range", "1 or -1"};
+  if (profile.encoder.sign == 0)
+    return ProfileProblem{"encoder", "sign", "sign = 0 is out of range", "1 or -1"};
   const sensors::GyroProtocol* const protocol = sensors::find_gyro_protocol(profile.gyro.protocol);
   if (!profile.gyro.sketch.empty() && protocol != nullptr && !protocol->has_columns)
     return ProfileProblem{"gyro", "sketch", "a sketch is named, but the protocol is " + profile.gyro.protocol,

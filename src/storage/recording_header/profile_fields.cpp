@@ -237,6 +237,29 @@ void add_servo(Fields& fields) {
   table.date("scale_measured_utc", &Servo::scale_measured_utc, measured);
 }
 
+void add_encoder(Fields& fields) {
+  using Encoder = EncoderProfile;
+  constexpr double largest_deg = 20.0;
+  Table<Encoder> table(fields, "encoder", &RigProfile::encoder);
+  table.number("latency_s", &Encoder::latency_s, "s", -0.1, 0.1,
+               "constant delay from the shaft's angle to the time of its reading");
+  table.number("latency_uncertainty_s", &Encoder::latency_uncertainty_s, "s", 0, 0.1, deviation);
+  table.number("sign", &Encoder::sign, "1", -1, 1, "1 or -1: a positive command then makes the angle grow");
+  table.number("offset_deg", &Encoder::offset_deg, "deg", -360, 360,
+               "where the shaft stands, by the command, when the sensor sends 0");
+  const auto error = [&](const char* name, double Encoder::*member, const char* help) {
+    table.number(name, member, "deg", -largest_deg, largest_deg, help);
+  };
+  error("once_cosine_deg", &Encoder::once_cosine_deg, "error once a turn: sent - true, by the cosine");
+  error("once_sine_deg", &Encoder::once_sine_deg, "by the sine of the angle sent");
+  error("twice_cosine_deg", &Encoder::twice_cosine_deg, "error twice a turn, likewise");
+  error("twice_sine_deg", &Encoder::twice_sine_deg, "likewise");
+  table.number("error_deg", &Encoder::error_deg, "deg", 0, largest_deg,
+               "what of such errors is left, root mean square");
+  table.date("measured_utc", &Encoder::measured_utc,
+             "when these were calibrated, UTC; empty: assumptions, by which no label is made");
+}
+
 ProfileField setting_field(const std::string& table, const sensors::GyroSetting& setting) {
   ProfileField field{
       .table = table, .name = setting.name, .help = setting.comment, .min = setting.min, .max = setting.max};
@@ -266,6 +289,7 @@ const std::vector<ProfileField>& profile_fields() {
     add_gyro(list);
     add_text_columns(list);
     add_servo(list);
+    add_encoder(list);
     return list;
   }();
   return fields;

@@ -92,6 +92,18 @@ void witness_attributes(Visit& visit, Report& witnesses) {
   visit("witness_remedy", witnesses.remedy);
 }
 
+template <typename Visit, typename Report>
+void shaft_attributes(Visit& visit, Report& shaft) {
+  visit("shaft_readings", shaft.readings);
+  visit("shaft_unread", shaft.unread);
+  visit("shaft_poor", shaft.poor);
+  visit("shaft_used", shaft.used);
+  visit("shaft_why_not", shaft.why_not);
+  estimate_attributes(visit, "shaft_gyro_share", "shaft_gyro_share_uncertainty", shaft.gyro_share);
+  estimate_attributes(visit, "shaft_command_share", "shaft_command_share_uncertainty", shaft.command_share);
+  visit("shaft_error_deg", shaft.error_deg);
+}
+
 /// Those that a file of that version has.
 template <typename Visit, typename Report>
 void sync_attributes(Visit& visit, Report& sync, FormatVersion version) {
@@ -124,6 +136,7 @@ void sync_attributes(Visit& visit, Report& sync, FormatVersion version) {
   witness_attributes(visit, sync.witnesses);
   visit("camera_bad_pixels", sync.bad_pixels);
   visit("gyro_decay_per_s", sync.gyro.decay_per_s);
+  if (version >= with_measured_shaft) shaft_attributes(visit, sync.shaft);
 }
 
 }  // namespace thermorig::session

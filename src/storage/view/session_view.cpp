@@ -144,6 +144,15 @@ json words(const std::array<std::string_view, size>& names) {
   return list;
 }
 
+/// What measured the shaft, and whether labels are made by it; empty: nothing did.
+std::string shaft_text(const Session& session) {
+  const std::string& sensor = session.raw.header.shaft_sensor;
+  if (sensor.empty()) return "";
+  const ShaftReport& shaft = session.sync.shaft;
+  if (shaft.used) return "measured by " + sensor + ": labels are made by it";
+  return "measured by " + sensor + ", which is not used: " + shaft.why_not;
+}
+
 json header_json(const Session& session) {
   const RecordingHeader& header = session.raw.header;
   const session::Place place = session::place_of(session);
@@ -161,6 +170,7 @@ json header_json(const Session& session) {
           {"note", header.note},
           {"creator", header.creator},
           {"firmware", header.firmware},
+          {"shaft", shaft_text(session)},
           {"model", header.live_model.name}};
 }
 

@@ -26,7 +26,10 @@ struct LabelConfig {
   ServoResponse response;          // where it is fitted; else assumed_response(servo) stands in
   std::optional<GyroErrors> gyro;  // fitted; none: those of the profile, and bias from the rests so far
   GyroProfile gyro_profile;
-  std::vector<ClockGap> gyro_gaps;     // in which samples never came, ascending; found by a first pass
+  std::vector<ClockGap> gyro_gaps;  // in which samples never came, ascending; found by a first pass
+  bool by_sensor = false;           // of the shaft, where it was read: labels are its
+  double sensor_error_deg = 0.0;    // of it, by what repeats with each turn
+  double sensor_latency_uncertainty_s = 0.0;
   double clock_limit_s = 0.002;        // a frame whose clock is less certain is out of sync
   double latency_uncertainty_s = 0.0;  // of the constant between the camera's clock and the servo model's
   double warm_up_k_per_min = 0.5;      // the camera's own temperature changes faster: it is warming up

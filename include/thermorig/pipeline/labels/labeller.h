@@ -53,7 +53,11 @@ namespace thermorig::labels {
 ///   angle_measured             by the readings of the shaft around `time` (MeasuredTrack)
 ///   rate_measured          (measured angle at the end of E - that at its begin) / length of E; with
 ///                          rate_measured_uncertainty, which holds the noise of the readings, by how much the
-///                          shaft strays from an even motion there, and time; NaN where it is not measured
+///                          shaft strays from an even motion there, what of its errors repeats with each
+///                          turn, and time; NaN where it is not measured, or LabelConfig::by_sensor is false.
+///                          Where it is known, rate_shaft, its halves and its uncertainty are these, the
+///                          uncertainties of the other two hold their distance from it, and gyro_disagrees
+///                          holds the gyro against it
 ///   leg                    reported by the last telemetry at or before `time`, with no gap behind it
 ///
 /// Reasons, with S = [exposure_begin - settling time, exposure_end] and L = E earlier by the response's delay
@@ -137,7 +141,8 @@ class Labeller {
   LabelledSample label(const PendingFrame& frame);
   void label_motion(LabelledSample& sample, const PendingFrame& frame);
   void label_halves(LabelledSample& sample, const PendingFrame& frame);
-  void label_measured(LabelledSample& sample, const PendingFrame& frame) const;
+  double measured_time_error_dps(HostTime begin, HostTime end, double time_s) const;
+  void label_measured(LabelledSample& sample, const PendingFrame& frame);
   GyroMean note_gyro(LabelledSample& sample) const;
   void label_by_gyro(LabelledSample& sample, const PendingFrame& frame);
   void label_gyro(LabelledSample& sample);
@@ -152,6 +157,7 @@ class Labeller {
   std::uint32_t gyro_reasons(const LabelledSample& sample, const GyroMean& gyro) const;
   bool gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps,
                       double spread_dps) const;
+  bool gyro_disagrees_with_sensor(const LabelledSample& sample, const GyroMean& gyro, double noise_dps) const;
   void widen(LabelledSample& sample, const GyroMean& gyro) const;
   void learn_bias(const LabelledSample& sample, const GyroMean& gyro);
   void number_run(LabelledSample& sample);

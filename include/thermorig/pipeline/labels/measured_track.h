@@ -12,7 +12,7 @@ namespace thermorig::labels {
 
 /// The shaft over the last few seconds, by what measures it.
 ///
-/// The angle at an instant is that of a straight line through the readings up to 50, 25, 12.5 or 7.5 ms
+/// The angle at an instant is that of a straight line through the readings up to 50, 25, 12.5 or 5.5 ms
 /// either way of it, whichever is the most certain: the noise of the readings counts, by how much they stray
 /// from the line beyond it, and how far lines through fewer of them are from it: then the shaft does not move
 /// evenly.

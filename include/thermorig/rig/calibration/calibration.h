@@ -84,6 +84,18 @@ struct LensResult {
 };
 LensResult measure_lens(const session::Session& session);
 
+/// Fast legs of whole turns, held against the gyro: the direction, zero and errors of a sensor on the shaft.
+struct EncoderResult {
+  std::string sensor;                      // "AS5600"
+  EncoderProfile encoder;                  // new values for the profile, but for the date
+  double once_deg = 0.0, twice_deg = 0.0;  // amplitudes of its errors once and twice a turn
+  double turned_deg = 0.0;
+  std::size_t legs = 0;    // that took part
+  Estimate gyro_share{};   // deg that the corrected gyro shows for each of the sensor
+  double noise_deg = 0.0;  // of a reading
+};
+EncoderResult measure_encoder(const session::Session& session);
+
 /// Whether distortion, tilt, roll or spread of the rows are another than those of a plain lens, 0: by two
 /// standard deviations.
 bool is_not_plain(const Estimate& told);
@@ -95,11 +107,13 @@ LatencyResult combined(std::span<const LatencyResult> results);
 ScaleResult combined(std::span<const ScaleResult> results);
 OrientationResult combined(std::span<const OrientationResult> results);
 LensResult combined(std::span<const LensResult> results);
+EncoderResult combined(std::span<const EncoderResult> results);
 
 void apply(const BiasResult& result, const std::string& utc, RigProfile& profile);
 void apply(const LatencyResult& result, const std::string& utc, RigProfile& profile);
 void apply(const ScaleResult& result, const std::string& utc, RigProfile& profile);
 void apply(const OrientationResult& result, const std::string& utc, RigProfile& profile);
+void apply(const EncoderResult& result, const std::string& utc, RigProfile& profile);
 /// What it does not tell, or not to be another than that of a plain lens, is taken as a plain lens has it.
 void apply(const LensResult& result, const std::string& utc, RigProfile& profile);
 

@@ -72,14 +72,15 @@ int default_valid_per_leg(int frames_per_leg);
 std::string to_toml(const SweepPlan& plan);
 
 /// What a calibration is recorded for.
-enum class CalibrationKind : std::uint8_t { bias, latency, scale, orientation, lens, check };
+enum class CalibrationKind : std::uint8_t { bias, latency, scale, orientation, lens, check, encoder };
 
 /// The plan that shows what the calibration needs, on this rig: `bias` a rest of 60 s; `latency` a minute of
 /// reversals every 2 s at up to 120 deg/s; `orientation` twelve slow sweeps; `scale` 420 degrees forth and
 /// back at 40 deg/s, three times, or, where the servo has less travel, a rest of 60 s in which the rig is
 /// turned by hand; `lens` three minutes of sweeps there and back at 40 and 60 deg/s, more than a whole turn
-/// each where the servo has the travel; `check` less than half a minute: a rest, two speeds in both
-/// directions, and a whole turn where the servo has the travel.
+/// each where the servo has the travel; `encoder` twelve legs there and back at 100 to 200 deg/s, or more and
+/// shorter ones; `check` less than half a minute: a rest, two speeds in both directions, and a whole turn
+/// where the servo has the travel.
 SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, const CameraProfile& camera);
 
 /// A plan for a calibration: there and back at each of `shares` of `fastest_dps`, or of what the travel lets

@@ -100,6 +100,7 @@ class ServoScanner {
   ByteLedger ledger_;
   std::optional<std::uint8_t> telemetry_sequence_;  // of the last telemetry
   std::optional<std::uint8_t> event_sequence_;      // of the last event
+  std::optional<std::uint8_t> shaft_sequence_;      // of the last reading of the shaft
   std::uint32_t telemetry_mcu_us_ = 0;              // of the last telemetry
   bool ended_ = false;
 };
@@ -107,6 +108,8 @@ class ServoScanner {
 // Commands to bytes: one whole frame each. Angles in degrees, rates in degrees per second; values that do not
 // fit their field are a bug of the caller and abort.
 std::vector<std::uint8_t> hello_bytes(std::uint8_t sequence);
+/// The same, and asks for readings of the shaft, if something measures it.
+std::vector<std::uint8_t> asking_hello_bytes(std::uint8_t sequence);
 std::vector<std::uint8_t> configure_bytes(std::uint8_t sequence, const ServoProfile& servo);
 std::vector<std::uint8_t> arm_bytes(std::uint8_t sequence, double angle_deg);
 std::vector<std::uint8_t> disarm_bytes(std::uint8_t sequence);

@@ -80,7 +80,7 @@ export class SessionFacts {
     const entries = [['file', facts.file], ['world', simulation], ['plan', `${plain(facts.plan, 60)}, ${count(facts.frames_per_leg)} frames a leg`],
       ['camera', `${plain(facts.camera_mode, 30)}, ${fixed(1 / facts.frame_period_s, 2)} frames/s`],
       ['gyro', `bias ${fixed(bias, 3, { sign: true })} deg/s${facts.gyro_bias_moves === true ? ', which moves' : ''}; scale ${fixed(facts.gyro_scale, 4)}`],
-      ['network', facts.model], ['operator', facts.operator], ['place', facts.place], ['note', facts.note], ['licence', facts.licence], ['servo', facts.firmware], ['made by', facts.creator]];
+      ['network', facts.model], ['operator', facts.operator], ['place', facts.place], ['note', facts.note], ['licence', facts.licence], ['servo', facts.firmware], ['shaft', facts.shaft], ['made by', facts.creator]];
     byId('facts').replaceChildren(...entries.map(([name, value]) => [name, plain(value, 1000)]).filter(([, value]) => value !== '')
       .flatMap(([name, value]) => [make('dt', { textContent: name }), make('dd', { textContent: value })]));
   }

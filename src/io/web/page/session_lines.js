@@ -47,7 +47,7 @@ export function linesOf(facts, rows) {
   const estimators = estimatorLinesOf(facts, rows);
   return { left: estimators.left, lines: [
     own('commanded', 'commanded', 'the label: what the servo was told, over the exposure', 'commanded_dps'),
-    own('shaft', 'shaft', 'what the shaft did by the servo model', 'shaft_dps', 'shaft_sigma_dps'),
+    own('shaft', 'shaft', 'what the shaft did: measured, where something measures it, else by the servo model', 'shaft_dps', 'shaft_sigma_dps'),
     own('gyro-mean', 'gyro mean', 'mean over the exposure, bias and scale as they are', 'gyro_dps'),
     own('corrected', 'gyro corrected', 'the same without its bias and scale, as far as this session tells them', 'corrected_dps'),
     ...estimators.lines,
