@@ -13,6 +13,7 @@
 
 #include "simulated_bus.h"
 #include "thermorig/io/port.h"
+#include "thermorig/rig/discovery/detect.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/rig/recording/port_recording.h"
 #include "thermorig/rig/sweep/dynamixel_driver.h"
@@ -80,6 +81,20 @@ TEST_P(EachBusServo, DrivesAPlanAndItsTelemetryCarriesTheLegs) {
                             }))
         << leg.leg;
   }
+}
+
+TEST_P(EachBusServo, IsFoundByPortsWithAllThatAProfileNeeds) {
+  simulation::VirtualRigConfig config = rig_config(8, GetParam());
+  if (config.profile.servo.protocol == "dynamixel") config.profile.servo.bus_id = 7;
+  VirtualPorts ports(config, simulation::make_servo(config));
+  ports.set_baud(Device::servo, config.profile.servo.link.baud);
+  const auto findings = identify_devices({{.path = ports.paths()[Device::servo]}}, ports);
+  ASSERT_EQ(findings.at(0).role, Device::servo) << findings[0].how;
+  std::vector<std::string> ambiguous;
+  const ServoProfile found = apply_findings(simulation::default_profile(), findings, ambiguous).servo;
+  EXPECT_EQ(found.protocol, GetParam());
+  EXPECT_EQ(found.bus_id, config.profile.servo.bus_id);
+  EXPECT_EQ(found.link.baud, config.profile.servo.link.baud);
 }
 
 using DynamixelRig = BusServoRig;

@@ -113,6 +113,7 @@ PortLoop::PortId VirtualPorts::open(const PortProfile& link, PortHandlers handle
                 port.path, "end it");
   opened_.push_back({.path = port.path, .baud = link.baud, .handlers = std::move(handlers)});
   port.opened = opened_.size() - 1;
+  if (port.device) rig_.opened(*port.device, now_);
   return *port.opened;
 }
 

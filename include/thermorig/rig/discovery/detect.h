@@ -49,7 +49,8 @@ struct PortFinding {
 };
 
 /// Listens on all ports at once, at the usual bauds one after another; what is still unknown then is greeted
-/// as a servo. Within `listen_s` seconds. A pty has no baud: it is listened to once.
+/// as a servo board. Within `listen_s` seconds; where nothing was found, other servos are asked for, too,
+/// which takes two thirds longer. A pty has no baud: it is listened to once.
 std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, double listen_s = 6.0);
 
 /// The same on the ports and the clock of `loop`, which serves nothing else, and is not run again after it.
