@@ -11,7 +11,7 @@
 namespace thermorig::bench {
 
 /// The message that the device sent, of each message that the program decoded; null where the bytes are no
-/// message's.
+/// message's. It may be a part of what was sent: a banner ahead of it belongs to none.
 template <typename Timed>
 std::vector<const simulation::SentMessage*> sent_of(const std::vector<Timed>& decoded,
                                                     const std::vector<simulation::SentMessage>& sent) {
@@ -20,7 +20,7 @@ std::vector<const simulation::SentMessage*> sent_of(const std::vector<Timed>& de
   std::size_t next = 0;
   for (const Timed& message : decoded) {
     while (next < sent.size() && sent[next].span.end < message.span.end) ++next;
-    const bool same = next < sent.size() && sent[next].span == message.span;
+    const bool same = next < sent.size() && sent[next].span.begin <= message.span.begin;
     found.push_back(same ? &sent[next] : nullptr);
   }
   return found;
