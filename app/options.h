@@ -138,7 +138,7 @@ struct InspectOptions {
   bool check = false;
   bool timing = false;
   std::filesystem::path plots;  // folder of figures and tables; empty: none
-  std::filesystem::path html;  // file that the session's page is written to; empty: it is described
+  std::filesystem::path html;   // file that the session's page is written to; empty: it is described
   bool json = false;
 };
 

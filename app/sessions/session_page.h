@@ -13,8 +13,8 @@ void require_page();
 /// with it, Error(storage) if the file exists or cannot be written.
 ExitCode write_session_page(const InspectOptions& options);
 
-/// `inspect --plots`: writes figures and tables of each session. Throws Error(bad_usage) for words that do not go
-/// with it, and as write_plots() does.
+/// `inspect --plots`: writes figures and tables of each session. Throws Error(bad_usage) for words that do
+/// not go with it, and as write_plots() does.
 ExitCode write_session_plots(const InspectOptions& options);
 
 }  // namespace thermorig::app

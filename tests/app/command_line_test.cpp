@@ -56,6 +56,7 @@ class EveryCommand : public CommandLine {
 };
 
 TEST_F(EveryCommand, HasHelpWithAnExampleThatFits80Columns) {
+  setenv("COLUMNS", "80", 1);
   EXPECT_GE(commands.size(), 20U);
   for (const std::string& command : commands) {
     const Outcome outcome = run(command + " --help");
@@ -249,6 +250,7 @@ TEST_F(CommandLine, RefusesARateOrASpeedThatNoRigHas) {
 }
 
 TEST_F(CommandLine, WrapsItsHelpBelowWhereAMeaningBegins) {
+  setenv("COLUMNS", "80", 1);
   const std::string help = run("calibrate --help").out;
   std::istringstream lines(help);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;

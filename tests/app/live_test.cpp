@@ -252,6 +252,7 @@ TEST_F(Live, TakesTheGeneralModelByItself) {
 }
 
 TEST_F(Live, ShowsTheEstimatorsThatFitInTheTerminal) {
+  setenv("COLUMNS", "80", 1);
   const Outcome outcome = run("live --world honest --simulated=3 --fast " + plan);
   std::istringstream lines(outcome.out.substr(outcome.out.find("not shown here")));
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
