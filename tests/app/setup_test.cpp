@@ -28,6 +28,16 @@ TEST_F(SetupCommand, RefusesStepsThatItCannotBeginWith) {
   EXPECT_THAT(missing.err, HasSubstr("there is no such profile to go on with"));
 }
 
+/// Nobody else knows which rig was simulated, and its ports are gone: it is set up from the first step.
+TEST_F(SetupCommand, AdvisesTheSameSimulatedRigOnceMore) {
+  if (std::getenv("THERMORIG_EVERYTHING") == nullptr) GTEST_SKIP() << "takes 10 s: tests/nightly.sh runs it";
+  const Outcome outcome =
+      run("setup --simulated=4 --world honest --yes --output /proc/none --save ./rig.toml");
+  EXPECT_NE(outcome.code, 0) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("thermorig setup --simulated=4 --world honest --save ./rig.toml\n"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "rig.toml"));
+}
+
 /// From nothing to a session whose verdict is good, on ports and on the clock: a minute and a half.
 TEST_F(SetupCommand, GoesFromNothingToAGoodSession) {
   if (std::getenv("THERMORIG_EVERYTHING") == nullptr) GTEST_SKIP() << "takes long: tests/nightly.sh runs it";

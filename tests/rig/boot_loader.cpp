@@ -29,7 +29,9 @@ BootLoader::BootLoader(int baud, BootFault fault, std::function<void(int)> on_pa
   std::array<char, 64> name{};
   termios settings{};
   cfmakeraw(&settings);
-  EXPECT_EQ(openpty(&ours_, &theirs_, name.data(), &settings, nullptr), 0);
+  int theirs = -1;
+  EXPECT_EQ(openpty(&ours_, &theirs, name.data(), &settings, nullptr), 0);
+  close(theirs);
   path_ = name.data();
   sigset_t all, before;
   sigfillset(&all);
@@ -47,23 +49,26 @@ BootLoader::~BootLoader() {
   is_over_ = true;
   thread_.join();
   close(ours_);
-  close(theirs_);
 }
 
 void BootLoader::serve() {
+  constexpr int look_again_ms = 20;
   while (true) {
-    const std::uint8_t command = next();
-    if (fault_ == BootFault::silent) continue;
-    if (is_at_its_speed())
-      answer(command);
-    else
-      send({0xF0});
+    const auto command = next(look_again_ms);
+    if (!command || fault_ == BootFault::silent) continue;
+    try {
+      if (is_at_its_speed())
+        answer(*command);
+      else
+        send({0xF0});
+    } catch (const Restarted&) {
+    }
   }
 }
 
 void BootLoader::answer(std::uint8_t command) {
   const auto reply = [this](int arguments, std::vector<std::uint8_t> words = {}) {
-    next(arguments);
+    rest(arguments);
     words.insert(words.begin(), in_sync);
     words.push_back(ok);
     send(std::move(words));
@@ -88,13 +93,13 @@ void BootLoader::answer(std::uint8_t command) {
       has_left_ = true;
       return;
     case 0x55: {  // address in words
-      const auto bytes = next(2);
+      const auto bytes = rest(2);
       address_ = 2U * (bytes[0] | bytes[1] << 8U);
       return reply(1);
     }
     case 0x64: {  // write a page
-      const auto head = next(3);
-      const auto page = next(head[0] << 8U | head[1]);
+      const auto head = rest(3);
+      const auto page = rest(head[0] << 8U | head[1]);
       ASSERT_LE(address_ + page.size(), flash_.size());
       std::copy(page.begin(), page.end(), flash_.begin() + static_cast<std::ptrdiff_t>(address_));
       ++pages_;
@@ -104,7 +109,7 @@ void BootLoader::answer(std::uint8_t command) {
       return;
     }
     case 0x74: {  // read a page
-      const auto head = next(3);
+      const auto head = rest(3);
       const auto begin = flash_.begin() + static_cast<std::ptrdiff_t>(address_);
       return reply(1, {begin, begin + (head[0] << 8 | head[1])});
     }
@@ -113,29 +118,33 @@ void BootLoader::answer(std::uint8_t command) {
   }
 }
 
-std::uint8_t BootLoader::next() {
-  constexpr int look_again_ms = 20;
-  while (!is_over_) {
-    pollfd port{ours_, POLLIN, 0};
-    std::uint8_t byte = 0;
-    if (poll(&port, 1, look_again_ms) == 1 && read(ours_, &byte, 1) == 1) return byte;
-  }
-  throw Unplugged();
+std::optional<std::uint8_t> BootLoader::next(int patience_ms) {
+  if (is_over_) throw Unplugged();
+  pollfd port{ours_, POLLIN, 0};
+  std::uint8_t byte = 0;
+  if (poll(&port, 1, patience_ms) == 1 && read(ours_, &byte, 1) == 1) return byte;
+  if ((port.revents & POLLHUP) != 0) usleep(1000);  // nobody has it open
+  return std::nullopt;
 }
 
-std::vector<std::uint8_t> BootLoader::next(int count) {
+std::vector<std::uint8_t> BootLoader::rest(int count) {
+  constexpr int watchdog_ms = 1000;
   std::vector<std::uint8_t> bytes;
-  while (count-- > 0) bytes.push_back(next());
+  while (count-- > 0) {
+    const auto byte = next(watchdog_ms);
+    if (!byte) throw Restarted();
+    bytes.push_back(*byte);
+  }
   return bytes;
 }
 
 void BootLoader::send(std::vector<std::uint8_t> bytes) const {
-  EXPECT_EQ(write(ours_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  [[maybe_unused]] const ssize_t heard = write(ours_, bytes.data(), bytes.size());
 }
 
 bool BootLoader::is_at_its_speed() const {
   termios settings{};
-  tcgetattr(theirs_, &settings);
+  tcgetattr(ours_, &settings);  // those of the other end
   return cfgetospeed(&settings) == (baud_ == 115200 ? B115200 : baud_ == 57600 ? B57600 : B9600);
 }
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -35,17 +36,18 @@ class BootLoader {
 
  private:
   struct Unplugged {};
+  struct Restarted {};  // by its watchdog: a command that is not whole
   void serve();
   void answer(std::uint8_t command);
-  std::uint8_t next();
-  std::vector<std::uint8_t> next(int count);
+  std::optional<std::uint8_t> next(int patience_ms);
+  std::vector<std::uint8_t> rest(int count);
   void send(std::vector<std::uint8_t> bytes) const;
   bool is_at_its_speed() const;
 
   int baud_;
   BootFault fault_;
   std::function<void(int)> on_page_;
-  int ours_ = -1, theirs_ = -1;  // ends of the pseudo terminal
+  int ours_ = -1;  // the other end is nobody's: a port that another program has open is refused
   std::string path_;
   std::vector<std::uint8_t> flash_;
   std::size_t address_ = 0;

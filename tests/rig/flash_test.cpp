@@ -6,15 +6,18 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 
+#include "app/program.h"
 #include "boot_loader.h"
 #include "simulated_bus.h"
 #include "simulated_ports/heard.h"
+#include "support/file_text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/simulation/simulated_ports/simulated_ports.h"
 
@@ -156,6 +159,64 @@ TEST_F(Flash, EndsAvrdudeFirstWhereItIsInterrupted) {
     EXPECT_LT(board.pages(), 76);
     EXPECT_FALSE(flash(board.path())) << "the boot loader is still there";
   }
+}
+
+/// Silent until it is flashed; then thermorig-avr runs what it holds.
+class FlashedBoard : public simulation::Firmware {
+ public:
+  void begin(const BootLoader& board) {
+    flashed_ = std::make_unique<FlashedFirmware>(board);
+    is_flashed_ = true;
+  }
+  void receive(std::uint8_t byte, std::int64_t time_us) override {
+    if (begin_us_) flashed_->firmware->receive(byte, time_us - *begin_us_);
+  }
+  simulation::FirmwareOutput run_until(std::int64_t time_us) override {
+    if (is_flashed_ && !begin_us_) begin_us_ = time_us;
+    if (!begin_us_ || time_us <= *begin_us_) return {};
+    simulation::FirmwareOutput output = flashed_->firmware->run_until(time_us - *begin_us_);
+    for (simulation::UartByte& byte : output.bytes) byte.time_us += *begin_us_;
+    for (simulation::PulseEdge& pulse : output.pulses) pulse.rise_us += *begin_us_;
+    return output;
+  }
+  std::string description() const override { return "AVR image"; }
+
+ private:
+  std::unique_ptr<FlashedFirmware> flashed_;
+  std::atomic<bool> is_flashed_{false};
+  std::optional<std::int64_t> begin_us_;
+};
+
+class FlashedBySetup : public tests::ProgramTest {
+ protected:
+  template <class Done>
+  void wait_until(Done done) const {
+    for (int i = 0; i < 600 && !done(); ++i) usleep(100'000);
+    EXPECT_TRUE(done()) << tests::file_text(folder() / "background_err.txt");
+  }
+};
+
+/// The board has the same name before and behind: its firmware is on a pseudo terminal of its own.
+TEST_F(FlashedBySetup, IsFoundAsAServo) {
+  if (std::getenv("THERMORIG_EVERYTHING") == nullptr) GTEST_SKIP() << "takes 20 s: tests/nightly.sh runs it";
+  BootLoader board(115200);
+  auto firmware = std::make_unique<FlashedBoard>();
+  FlashedBoard& flashed = *firmware;
+  SimulatedPorts ports(simulation::default_rig(1, "kitchen"), std::move(firmware));
+  ports.start();
+  std::filesystem::create_symlink(board.path(), folder() / "servo");
+  const pid_t setup = start({"setup", "--flash", "--yes", "--json", "--save", "./rig.toml",
+                             ports.paths()[Device::camera], ports.paths()[Device::gyro], "./servo"});
+  wait_until([&] { return board.has_left(); });
+  flashed.begin(board);
+  std::filesystem::create_symlink(ports.paths()[Device::servo], folder() / "flashed");
+  std::filesystem::rename(folder() / "flashed", folder() / "servo");
+  const auto out = [this] { return tests::file_text(folder() / "background_out.txt"); };
+  wait_until([&] { return out().find("\"step\":\"look\"") != std::string::npos; });
+  kill(setup, SIGINT);
+  EXPECT_NE(wait(setup).code, 0);
+  EXPECT_THAT(out(), HasSubstr("flashed"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "rig.toml"));
 }
 
 }  // namespace flash
