@@ -4,6 +4,7 @@
 #include "help_formatter.h"
 #include "learning_options.h"
 #include "rig_options.h"
+#include "thermorig/core/label.h"
 
 namespace thermorig::app {
 

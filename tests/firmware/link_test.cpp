@@ -204,7 +204,7 @@ TEST_P(ServoLink, PongIsDelayedWithinWhatThePingAllowsAndSpreadsOverIt) {
     const std::int64_t receive_us = servo_get_u32(&pong->payload[4]),
                        send_us = servo_get_u32(&pong->payload[8]);
     const std::int64_t line_us = receive_us - sent_us - 40 * static_cast<std::int64_t>(ping.size());
-    EXPECT_LT(std::abs(line_us), 200);
+    EXPECT_LT(std::abs(line_us), 250);  // the AVR's clock begins when its memory has been cleared
     delays_us.push_back(send_us - receive_us);
     bench().run_for(7'300);
   }
