@@ -157,7 +157,7 @@ constexpr std::array<UsualBaud, 3> dynamixel_bauds{{{57600, 0.15}, {1000000, 0.1
 constexpr ClockProperties dynamixel_clock{
     .tick_s = 1e-3, .wrap_ticks = dynamixel::tick_wrap, .rate_error_max = 0.02};
 constexpr std::uint64_t status_around = dynamixel::around_parameters + 1;
-constexpr double polls_hz = 50.0;
+constexpr double polls_hz = 42.0;  // 50 where answers come at once, fewer behind a latency timer
 
 ServoScanner dynamixel_scanner(const ServoProfile& profile) {
   return ServoScanner(DynamixelScanner(profile.bus_id));
