@@ -274,7 +274,8 @@ TEST_F(Train, LearnsTheLabelThatIsAskedForAndSaysSoEverywhere) {
 TEST_F(Train, RefusesALabelThatThereIsNotAndToResumeWithAnother) {
   const Outcome unknown = run(small + "-o model.onnx --label comanded");
   EXPECT_EQ(unknown.code, 2);
-  EXPECT_THAT(unknown.err, HasSubstr("did you mean \"commanded\"? one of: commanded, corrected, shaft"));
+  EXPECT_THAT(unknown.err,
+              HasSubstr("did you mean \"commanded\"? one of: commanded, corrected, measured, shaft"));
   EXPECT_FALSE(fs::exists(at("model.run")));
   ASSERT_EQ(run(small + "-o model.onnx").code, 0);
   const Outcome other = run(small + "-o model.onnx --resume --label shaft");

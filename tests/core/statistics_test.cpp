@@ -96,7 +96,7 @@ TEST(LabelName, ThatThereIsNotIsRefusedWithTheNearest) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::bad_usage);
     EXPECT_EQ(error.what_happened(), "there is no label \"comanded\"");
-    EXPECT_EQ(error.advice(), "did you mean \"commanded\"? one of: commanded, corrected, shaft");
+    EXPECT_EQ(error.advice(), "did you mean \"commanded\"? one of: commanded, corrected, measured, shaft");
   }
 }
 

@@ -83,7 +83,7 @@ TEST_F(Conversation, BeginsWithHelloAndConfiguresADisarmedServo) {
   auto heard = poll_after(1);
   ASSERT_EQ(heard.size(), 1U);
   EXPECT_EQ(heard[0].type, SERVO_HELLO);
-  EXPECT_EQ(heard[0].payload, std::vector<std::uint8_t>{SERVO_LINK_VERSION});
+  EXPECT_EQ(heard[0].payload, (std::vector<std::uint8_t>{SERVO_LINK_VERSION, SERVO_ASK_SHAFT}));
   const std::uint8_t sequence = heard[0].sequence;
   answer(wire::ServoWelcome{.version = SERVO_LINK_VERSION}, sequence);
   heard = poll_after(1);

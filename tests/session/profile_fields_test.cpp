@@ -40,11 +40,12 @@ std::size_t fields_of(const std::string& table) {
 
 TEST(ProfileFields, HaveALineForEachMemberOfTheProfile) {
   constexpr std::size_t link = member_count<PortProfile>();
-  EXPECT_EQ(fields_of(""), member_count<RigProfile>() - 3);  // camera, gyro and servo are tables
+  EXPECT_EQ(fields_of(""), member_count<RigProfile>() - 4);  // camera, gyro, servo and encoder are tables
   EXPECT_EQ(fields_of("camera"), member_count<CameraProfile>() - 1 + link);
   EXPECT_EQ(fields_of("gyro"), member_count<GyroProfile>() - 3 + link);    // link, text, settings
   EXPECT_EQ(fields_of("gyro.text"), member_count<TextColumns>() - 1 + 3);  // columns of three rates
   EXPECT_EQ(fields_of("servo"), member_count<ServoProfile>() - 1 + link);
+  EXPECT_EQ(fields_of("encoder"), member_count<EncoderProfile>());
 }
 
 TEST(ProfileFields, AreEachAnotherMember) {

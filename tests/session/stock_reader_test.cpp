@@ -198,7 +198,7 @@ TEST_F(StockReader, FindsTheProfileInAGroupForEachTable) {
                   "print(p.attrs[\"name\"], p[\"camera\"].attrs[\"baud\"], g[\"axis\"], g[\"scale\"], "
                   "p[\"gyro/text\"].attrs[\"time_column\"], len(p[\"servo\"].attrs))",
                   path().string()));
-  EXPECT_EQ(output.text, "rig 460800 z 1.0 -1 23\n");
+  EXPECT_EQ(output.text, "rig 460800 z 1.0 -1 25\n");
 }
 
 }  // namespace

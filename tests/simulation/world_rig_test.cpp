@@ -61,6 +61,7 @@ std::string needed_by(const Knob& knob) {
 
 TEST(WorldKnobs, EachChangeWhatTheRigSends) {
   for (const Knob& knob : world_knobs()) {
+    if (knob.name.starts_with("encoder.")) continue;  // this firmware reads none: see as5600_test.cpp
     const bool is_low_further = knob.honest() - knob.low > knob.high - knob.honest();
     World world = world_named("honest" + needed_by(knob), 5);
     const auto without = sent_by(*rig_in(text_of(world)));

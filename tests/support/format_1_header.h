@@ -89,6 +89,9 @@ inline RigProfile format_1_profile(RigProfile profile) {
   camera.orientation_measured_utc = profile.camera.orientation_measured_utc;
   camera.checksum = profile.camera.checksum;
   profile.camera = camera;
+  profile.servo.protocol = ServoProfile().protocol;
+  profile.servo.bus_id = ServoProfile().bus_id;
+  profile.encoder = {};
   return profile;
 }
 
