@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -39,9 +40,9 @@ struct MeasuredShaft {
 };
 
 /// How far mean speeds over 0.25 s are off on average, over what is stated of them.
-double error_over_stated(const MeasuredShaft& shaft, const std::function<double(double)>& true_deg) {
+double error_over_stated(const MeasuredShaft& shaft, const std::function<double(double)>& true_deg,
+                         int trials = 200) {
   double sum = 0.0;
-  constexpr int trials = 200;
   for (int trial = 0; trial < trials; ++trial) {
     const MeasuredTrack track = shaft.track(static_cast<unsigned>(trial), 0.6);
     const auto rate = track.rate_dps(instant(0.151), instant(0.401)).value();
@@ -67,6 +68,23 @@ TEST(MeasuredTrack, OfAShaftThatSticksAndSlipsItStatesMore) {
   const double ratio = error_over_stated({jerky}, jerky);
   EXPECT_LT(ratio, 1.3);
   EXPECT_GT(ratio, 0.3);
+}
+
+TEST(MeasuredTrack, OfAShaftThatStandsAndGoesItStatesHowFarItIsOff) {
+  constexpr int phases = 8;
+  for (const double period_s : {0.04, 0.1, 0.2})
+    for (const double going : {0.5, 0.1}) {  // of the time
+      double sum = 0.0;
+      for (int phase = 0; phase < phases; ++phase) {
+        const auto stands_and_goes = [=](double t) {
+          const double periods = t / period_s + phase / double{phases}, begun = std::floor(periods);
+          return 20.0 * period_s * (begun + std::max(0.0, (periods - begun - (1.0 - going)) / going));
+        };
+        sum += std::pow(error_over_stated({stands_and_goes}, stands_and_goes, 25), 2);
+      }
+      EXPECT_LT(std::sqrt(sum / phases), 1.5) << period_s << ", " << going;
+      EXPECT_GT(std::sqrt(sum / phases), 0.5) << period_s << ", " << going;
+    }
 }
 
 TEST(MeasuredTrack, ASilenceOrTurnsThatWereCountedAnewLeaveNoSpeed) {

@@ -13,7 +13,7 @@ namespace {
 constexpr std::array reaches_s{0.0055, 0.0125, 0.025, MeasuredTrack::reach_s};
 constexpr double longest_silence_s = 0.03;  // an instant further from a reading is not measured
 constexpr std::size_t fewest_points = 3;
-constexpr double line_chance_deviations = 2.0;
+constexpr double line_chance_deviations = 0.5;
 constexpr double bend_chance = 6.0;  // times the variance of a difference
 
 /// A straight line through readings, at an instant.
