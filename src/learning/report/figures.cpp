@@ -11,10 +11,6 @@
 namespace thermorig::report {
 namespace {
 
-duk_context* context_of(const std::unique_ptr<void, auto>& engine) {
-  return static_cast<duk_context*>(engine.get());
-}
-
 [[noreturn]] void refuse_figure(duk_context* engine, const std::string& what) {
   throw Error(ExitCode::failed, "a figure cannot be drawn: " + std::string(duk_safe_to_string(engine, -1)),
               what, "the report's HTML (-o) has the same charts");
@@ -42,12 +38,13 @@ FigureDrawer::FigureDrawer() {
                 "bash app/setup.sh page, then cmake --preset release && cmake --build build");
   engine_.reset(duk_create_heap_default());
   if (engine_ == nullptr) throw std::bad_alloc();
-  if (duk_peval_lstring_noresult(context_of(engine_), figure_script.data(), figure_script.size()) != 0)
-    refuse_figure(context_of(engine_), "");
+  auto* const engine = static_cast<duk_context*>(engine_.get());
+  if (duk_peval_lstring_noresult(engine, figure_script.data(), figure_script.size()) != 0)
+    refuse_figure(engine, "");
 }
 
 std::string FigureDrawer::svg_of(const Chart& chart, const std::string& remark) {
-  duk_context* engine = context_of(engine_);
+  auto* const engine = static_cast<duk_context*>(engine_.get());
   const std::string data = chart.data.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   duk_push_lstring(engine, data.data(), data.size());
   duk_push_lstring(engine, remark.data(), remark.size());
