@@ -69,18 +69,6 @@ TEST(Grbl, StreamsAreReadAsTheGoldenVectorsDescribe) {
   expect_described("grbl.txt", sensors::servo_protocol("grbl").scanner({}));
 }
 
-TEST(Grbl, AJogThatIsSentReadsBackWithItsLeg) {
-  const Bytes line = grbl::jog_line({-6.25, 30.0, 12});
-  EXPECT_EQ(std::string(line.begin(), line.end()), "$J=G91X-6.250F1800.0(leg 12)\n");
-  const auto jog = grbl::parse_jog("$J=G91X-6.250F1800.0(leg 12)");
-  ASSERT_TRUE(jog);
-  EXPECT_EQ(jog->way_deg, -6.25);
-  EXPECT_EQ(jog->rate_dps, 30.0);
-  EXPECT_EQ(jog->leg, 12);
-  for (const char* other : {"$J=G91X-6.250", "$J=G90X1F60(leg 1)", "$J=G91X1F60(leg 1) X2", "$$", ""})
-    EXPECT_FALSE(grbl::parse_jog(other)) << other;
-}
-
 /// Reports have neither leg nor arming: what was sent says both.
 TEST(Grbl, ReportsAreReadWithWhatWasSent) {
   sensors::ServoScanner scanner = sensors::servo_protocol("grbl").scanner({});
@@ -112,25 +100,6 @@ TEST(Grbl, IsRecognisedByItsBannerAlone) {
 }
 
 /// The maker's own examples.
-TEST(Dynamixel, PacketsAreThoseOfTheDocument) {
-  EXPECT_EQ(dynamixel::ping(1), (Bytes{0xFF, 0xFF, 0xFD, 0x00, 0x01, 0x03, 0x00, 0x01, 0x19, 0x4E}));
-  EXPECT_EQ(dynamixel::write(1, dynamixel::at::bus_watchdog, Bytes{10}),
-            (Bytes{0xFF, 0xFF, 0xFD, 0x00, 0x01, 0x06, 0x00, 0x03, 0x62, 0x00, 0x0A, 0x4A, 0xE4}));
-}
-
-TEST(Dynamixel, AHeaderAmongTheParametersIsStuffedAndComesBack) {
-  for (const Bytes& data : {Bytes{0xFF, 0xFF, 0xFD}, Bytes{0xFF, 0xFF, 0xFD, 0xFD},
-                            Bytes{0xFF, 0xFF, 0xFF, 0xFD}, Bytes{0xFF, 0xFF, 0xFD, 0xFF, 0xFF, 0xFD, 0x00}}) {
-    const Bytes whole = dynamixel::packet(3, dynamixel::Instruction::write, data);
-    EXPECT_EQ(dynamixel::packet_size(whole), whole.size());
-    const auto inside = whole.begin() + 4;
-    const Bytes header{0xFF, 0xFF, 0xFD, 0x00};
-    EXPECT_EQ(std::search(inside, whole.end(), header.begin(), header.end()), whole.end());
-    ASSERT_TRUE(dynamixel::parse(whole));
-    EXPECT_EQ(dynamixel::parse(whole)->parameters, data);
-  }
-}
-
 TEST(Dynamixel, TelemetryBelongsToTheLegThatWasNotedBeforeItWasAskedFor) {
   const Bytes telemetry = read_vectors("dynamixel.txt").front().bytes;
   sensors::ServoScanner scanner = scanner_of(1);

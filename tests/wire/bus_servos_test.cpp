@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// What is sent to servos that do not carry our firmware: packets of Dynamixel, lines of GRBL.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "thermorig/sensors/wire/dynamixel.h"
+#include "thermorig/sensors/wire/grbl.h"
+
+namespace thermorig::test::bus_servo_words {
+namespace {
+
+namespace dynamixel = wire::dynamixel;
+namespace grbl = wire::grbl;
+using Bytes = std::vector<std::uint8_t>;
+
+TEST(Grbl, AJogThatIsSentReadsBackWithItsLeg) {
+  const Bytes line = grbl::jog_line({-6.25, 30.0, 12});
+  EXPECT_EQ(std::string(line.begin(), line.end()), "$J=G91X-6.250F1800.0(leg 12)\n");
+  const auto jog = grbl::parse_jog("$J=G91X-6.250F1800.0(leg 12)");
+  ASSERT_TRUE(jog);
+  EXPECT_EQ(jog->way_deg, -6.25);
+  EXPECT_EQ(jog->rate_dps, 30.0);
+  EXPECT_EQ(jog->leg, 12);
+  for (const char* other : {"$J=G91X-6.250", "$J=G90X1F60(leg 1)", "$J=G91X1F60(leg 1) X2", "$$", ""})
+    EXPECT_FALSE(grbl::parse_jog(other)) << other;
+}
+
+TEST(Dynamixel, PacketsAreThoseOfTheDocument) {
+  EXPECT_EQ(dynamixel::ping(1), (Bytes{0xFF, 0xFF, 0xFD, 0x00, 0x01, 0x03, 0x00, 0x01, 0x19, 0x4E}));
+  EXPECT_EQ(dynamixel::write(1, dynamixel::at::bus_watchdog, Bytes{10}),
+            (Bytes{0xFF, 0xFF, 0xFD, 0x00, 0x01, 0x06, 0x00, 0x03, 0x62, 0x00, 0x0A, 0x4A, 0xE4}));
+}
+
+TEST(Dynamixel, AHeaderAmongTheParametersIsStuffedAndComesBack) {
+  for (const Bytes& data : {Bytes{0xFF, 0xFF, 0xFD}, Bytes{0xFF, 0xFF, 0xFD, 0xFD},
+                            Bytes{0xFF, 0xFF, 0xFF, 0xFD}, Bytes{0xFF, 0xFF, 0xFD, 0xFF, 0xFF, 0xFD, 0x00}}) {
+    const Bytes whole = dynamixel::packet(3, dynamixel::Instruction::write, data);
+    EXPECT_EQ(dynamixel::packet_size(whole), whole.size());
+    const auto inside = whole.begin() + 4;
+    const Bytes header{0xFF, 0xFF, 0xFD, 0x00};
+    EXPECT_EQ(std::search(inside, whole.end(), header.begin(), header.end()), whole.end());
+    ASSERT_TRUE(dynamixel::parse(whole));
+    EXPECT_EQ(dynamixel::parse(whole)->parameters, data);
+  }
+}
+
+TEST(Dynamixel, APacketIsMeasuredByItsHeaderAndReadIfItsSumFits) {
+  Bytes bytes = dynamixel::write(1, dynamixel::at::goal_position, Bytes{0, 8, 0, 0});
+  EXPECT_EQ(dynamixel::packet_size(bytes), bytes.size());
+  EXPECT_EQ(dynamixel::packet_size(Bytes(bytes.begin(), bytes.begin() + 5)), 0U);
+  EXPECT_FALSE(dynamixel::packet_size(Bytes{0xFF, 0xFE}));
+  ASSERT_TRUE(dynamixel::parse(bytes));
+  bytes[9] ^= 1;
+  EXPECT_FALSE(dynamixel::parse(bytes));
+  bytes[5] = bytes[6] = 0xFF;
+  EXPECT_FALSE(dynamixel::packet_size(bytes)) << "longer than any of ours";
+  EXPECT_FALSE(dynamixel::parse(dynamixel::packet(1, dynamixel::Instruction::status, {})))
+      << "no error in it";
+}
+
+TEST(Dynamixel, NumbersOfFourBytesComeBack) {
+  for (const std::int32_t value : {0, 1, -1, 2048, -40'000'000}) {
+    Bytes bytes{7};
+    dynamixel::put_i32(value, bytes);
+    EXPECT_EQ(dynamixel::i32_at(bytes, 1), value);
+  }
+}
+
+TEST(Grbl, NotesAndRealTimeBytesAreThoseOfTheDocument) {
+  EXPECT_EQ(grbl::parse_power_note("(armed)"), true);
+  EXPECT_EQ(grbl::parse_power_note("(disarmed)"), false);
+  EXPECT_FALSE(grbl::parse_power_note("$X"));
+  EXPECT_EQ(grbl::status_request(), Bytes{'?'});
+  EXPECT_EQ(grbl::jog_cancel(), Bytes{0x85});
+  EXPECT_EQ(grbl::soft_reset(), Bytes{0x18});
+  EXPECT_EQ(grbl::settings_request(), (Bytes{'$', '$', '\n'}));
+  EXPECT_EQ(grbl::unlock(), (Bytes{'$', 'X', '\n'}));
+  EXPECT_EQ(grbl::power_note(true).back(), '\n');
+}
+
+}  // namespace
+}  // namespace thermorig::test::bus_servo_words
