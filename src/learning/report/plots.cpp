@@ -90,7 +90,7 @@ std::string latex_of_table(const Table& table, bool simulated) {
 }
 
 std::string csv_cell(const std::string& text) {
-  const std::string plain = clean(text);
+  std::string plain = clean(text);
   if (plain.find_first_of(",\"") == std::string::npos) return plain;
   std::string quoted = "\"";
   for (const char c : plain) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
