@@ -21,7 +21,7 @@ struct HardCase {
   std::string world = "honest";
   std::string calibrated_in = "honest";
   std::string camera = "half";  // of simulation::camera_kinds()
-  bool has_encoder = false;  // an AS5600 on the shaft, which is calibrated as well
+  bool has_encoder = false;     // an AS5600 on the shaft, which is calibrated as well
 };
 
 /// A calibration that said that it cannot tell: what it would have measured stays an assumption.
