@@ -248,8 +248,8 @@ ExitCode prove(const SetupOptions& options, const RigProfile& profile, TerminalS
     world.tell("stopped: the profile is written, the session has no verdict  " +
                world.command_again(SetupStep::session) + "\n");
   else if (summary.result.exit == ExitCode::ok && quality.verdict == "good")
-    world.tell("the rig is ready  thermorig record --environment kitchen" +
-               (simulated.empty() ? " --rig " + shell_word(options.save) : simulated) + "\n");
+    world.tell("the rig is ready  thermorig record --environment kitchen --rig " + shell_word(options.save) +
+               simulated + "\n");
   else
     world.tell("not yet good  " + world.command_again(step_to_repeat(quality)) + "\n");
   return summary.result.exit;
