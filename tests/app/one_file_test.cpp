@@ -129,8 +129,9 @@ TEST_F(OneFile, ThatIsWrittenAgainStaysPrivateAndBehindItsLink) {
 }
 
 TEST_F(OneFile, OfANameThatLeavesNoRoomForAPartIsRefusedAtTheStart) {
+  // However short the host's name and the process's number are, which a part has in its name.
   const fs::path session = record_briefly();
-  const fs::path named = folder() / (std::string(240, 'x') + ".h5");
+  const fs::path named = folder() / (std::string(250, 'x') + ".h5");
   fs::rename(session, named);
   for (const std::string& command :
        {"annotate --note x " + named.string(), "train . -o " + std::string(245, 'm') + ".onnx",
