@@ -172,19 +172,18 @@ std::optional<HostTime> I2cCamera::failed(int error, HostTime begin) {
   return std::nullopt;
 }
 
-// ---- what it does in its turns
-// ------------------------------------------------------------------------------
+// ---- what it does in its turns ---------------------------------------------------------------------------
 
 int I2cCamera::send_eeprom() {
+  std::uint16_t control = 0;
+  if (const int error = read_word(control_address, control); error != 0) return error;
+  rate_ = (control & rate_mask) >> rate_shift;
   begin_message(MLX_RAW_EEPROM);
   const HostTime begin = clock_();
   if (const int error = read_long(eeprom_address, MLX_RAW_EEPROM_WORDS); error != 0) return error;
   reading_s_ = std::min(reading_s_, to_s(clock_() - begin));
   end_message();
   owes_eeprom_ = false;
-  std::uint16_t control = 0;
-  if (const int error = read_word(control_address, control); error != 0) return error;
-  rate_ = (control & rate_mask) >> rate_shift;
   if (!wanted_rate_ && !is_fast_enough(rate_)) {  // nobody has asked for it
     wanted_rate_ = rate_;
     while (*wanted_rate_ > 0 && !is_fast_enough(*wanted_rate_)) --*wanted_rate_;
@@ -262,8 +261,7 @@ int I2cCamera::read_measurement() {
   return 0;
 }
 
-// ---- words on the bus
-// ---------------------------------------------------------------------------------------
+// ---- words on the bus ------------------------------------------------------------------------------------
 
 int I2cCamera::read_words(std::uint16_t address, std::span<std::uint8_t> bytes) {
   const std::array<std::uint8_t, 2> pointer{high_byte(address), low_byte(address)};

@@ -78,9 +78,9 @@ struct ServoContent {
   void append_to(std::vector<Message>& out, const StreamSpan& span, bool gap) && {
     if (!body) return;
     // Two messages have no byte in common.
-    const StreamSpan telling{span.begin, shaft ? span.begin + before_position : span.end};
-    out.push_back({.body = *std::move(body), .span = telling, .lost_before = gap});
-    if (shaft) out.push_back({.body = *shaft, .span = {telling.end, span.end}, .lost_before = gap});
+    const StreamSpan of_state{span.begin, shaft ? span.begin + before_position : span.end};
+    out.push_back({.body = *std::move(body), .span = of_state, .lost_before = gap});
+    if (shaft) out.push_back({.body = *shaft, .span = {of_state.end, span.end}, .lost_before = gap});
   }
 };
 
@@ -97,13 +97,12 @@ class DynamixelFraming {
   static bool is_good(Bytes frame) { return dynamixel::parse(frame).has_value(); }
   static bool is_proof(Bytes) { return true; }
 
-  /// Which leg telemetry tells of, was noted before it was asked for.
+  /// The leg of telemetry was noted before it was asked for.
   void sent(Bytes bytes) {
     while (const auto size = dynamixel::packet_size(bytes)) {
       if (*size == 0 || *size > bytes.size()) return;
       if (const auto packet = dynamixel::parse(bytes.first(*size))) take_sent(*packet);
       bytes = bytes.subspan(*size);
-      if (bytes.empty()) return;
     }
   }
 
@@ -202,7 +201,7 @@ ServoProtocol dynamixel_servo() {
           .clock = dynamixel_clock,
           .message_bytes = dynamixel::telemetry_bytes + status_around,
           .rate_hz = polls_hz,
-          .longest_gap_s = 0.12,  // a host that is busy for so long has told it nothing else meanwhile
+          .longest_gap_s = 0.12,  // a host that is busy for so long has sent it nothing else meanwhile
           .shaft_sensor = "Dynamixel",
           .scanner = dynamixel_scanner,
           .recognise = recognise_dynamixel,

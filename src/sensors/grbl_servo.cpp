@@ -84,7 +84,8 @@ class GrblScanner {
  public:
   void sent(Bytes bytes) {
     for (const std::uint8_t byte : bytes) {
-      if (byte == grbl::jog_cancel().front()) jog_.leg = 0;
+      if (byte == grbl::jog_cancel) jog_.leg = 0;
+      if (grbl::is_real_time(byte)) continue;
       if (byte != '\n') {
         if (sent_line_.size() < grbl::longest_line) sent_line_.push_back(static_cast<char>(byte));
         continue;
@@ -227,8 +228,8 @@ ServoProtocol grbl_servo() {
           .longest_gap_s = 0.25,
           .scanner = grbl_scanner,
           .recognise = recognise_grbl,
-          .greeting = grbl::status_request,
-          .emergency_bytes = grbl::jog_cancel};
+          .greeting = [] { return std::vector{grbl::status_request}; },
+          .emergency_bytes = [] { return std::vector{grbl::jog_cancel}; }};
 }
 
 }  // namespace thermorig::sensors

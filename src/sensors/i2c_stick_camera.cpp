@@ -73,8 +73,7 @@ class I2cStickScanner {
   std::uint64_t own_images() const { return own_images_; }
   /// In a format that has no end mark, so that a lost byte would move all words behind it: not read.
   std::uint64_t binary_half_frames() const { return binary_half_frames_; }
-  bool has_eeprom() const { return has_eeprom_; }
-  const std::string& eeprom_fault() const { return eeprom_fault_; }
+  const RawHalves& halves() const { return halves_; }
 
  private:
   void end_line(std::vector<CameraMessage>& out) {
@@ -140,12 +139,10 @@ class I2cStickScanner {
       ++ledger_.counters.bad_length;
       return damage(size);
     }
-    eeprom_fault_ = halves_.learn(words);
-    if (!eeprom_fault_.empty()) {
+    if (!halves_.learn(words)) {
       ++ledger_.counters.bad_value;
       return damage(size);
     }
-    has_eeprom_ = true;
     ledger_.book_message(size);
     ++ledger_.counters.replies;
   }
@@ -177,8 +174,6 @@ class I2cStickScanner {
   std::string line_;
   bool is_whole_ = false;  // the line was heard from its beginning
   std::uint64_t half_frames_ = 0, own_images_ = 0, binary_half_frames_ = 0;
-  bool has_eeprom_ = false;
-  std::string eeprom_fault_;
 };
 
 CameraScanner i2c_stick_scanner(const CameraProfile&) {
@@ -191,21 +186,22 @@ std::optional<Evidence> recognise_i2c_stick(std::span<const std::uint8_t> bytes)
   scanner.push(bytes, messages);
   const std::uint64_t heard =
       std::max({scanner.half_frames(), scanner.own_images(), scanner.binary_half_frames()});
-  if (heard == 0 && scanner.eeprom_fault().empty() && !scanner.has_eeprom()) return std::nullopt;
+  if (heard == 0 && scanner.halves().eeprom_fault().empty() && !scanner.halves().has_eeprom())
+    return std::nullopt;
   std::string text = fmt::format("{} raw half-frame(s) of a Melexis I2C-Stick", scanner.half_frames());
   if (scanner.half_frames() == 0 && scanner.own_images() > 0)
     text = fmt::format("{} image(s) of a Melexis I2C-Stick, made by its own filters", scanner.own_images());
   else if (scanner.half_frames() == 0 && scanner.binary_half_frames() > 0)
     text = fmt::format("{} half-frame(s) of a Melexis I2C-Stick in its format BIN, which is not read",
                        scanner.binary_half_frames());
-  else if (!scanner.has_eeprom())
+  else if (!scanner.halves().has_eeprom())
     text += ", without the sensor's EEPROM";
   Evidence evidence{.messages = std::max<std::uint64_t>(heard, 1),
                     .bytes = bytes.size(),
                     .text = std::move(text),
                     .text_format = {}};
-  if (!scanner.eeprom_fault().empty())
-    evidence.advice = "its EEPROM cannot be used: " + scanner.eeprom_fault();
+  if (!scanner.halves().eeprom_fault().empty())
+    evidence.advice = "its EEPROM cannot be used: " + scanner.halves().eeprom_fault();
   evidence.is_asked_otherwise = scanner.half_frames() == 0;
   return evidence;
 }

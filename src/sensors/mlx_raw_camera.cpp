@@ -33,7 +33,7 @@ std::uint16_t raw_word(Bytes words, std::size_t index) {
   return static_cast<std::uint16_t>(words[2 * index] << 8 | words[2 * index + 1]);
 }
 
-/// Of a message that begins there: its size; 0 if more bytes have to tell; none if there is no message.
+/// Of a message that begins there: its size; 0 if more bytes are needed; none if there is no message.
 std::optional<std::size_t> raw_size(Bytes rest) {
   if (rest[0] != MLX_RAW_MARK_0 || (rest.size() > 1 && rest[1] != MLX_RAW_MARK_1)) return std::nullopt;
   if (rest.size() < raw_words_at) return 0;
@@ -66,8 +66,7 @@ class MlxRawScanner {
   /// What was heard, whether or not there was an image in it.
   std::uint64_t half_frames() const { return half_frames_; }
   std::uint64_t own_images() const { return own_images_; }
-  bool has_eeprom() const { return has_eeprom_; }
-  const std::string& eeprom_fault() const { return eeprom_fault_; }
+  const RawHalves& halves() const { return halves_; }
   const std::string& bus_fault() const { return bus_fault_; }
 
  private:
@@ -117,9 +116,7 @@ class MlxRawScanner {
   void take_eeprom(Bytes bytes, std::size_t size) {
     std::array<std::uint16_t, mlx90640::eeprom_words> words{};
     for (std::size_t i = 0; i < words.size(); ++i) words[i] = raw_word(bytes, i);
-    eeprom_fault_ = halves_.learn(words);
-    if (!eeprom_fault_.empty()) return damage(size);
-    has_eeprom_ = true;
+    if (!halves_.learn(words)) return damage(size);
     answer(size);
   }
 
@@ -129,7 +126,7 @@ class MlxRawScanner {
     CameraMessage message;
     const RawHalves::Outcome outcome = halves_.push(words, message);
     half_frames_ += outcome == RawHalves::Outcome::refused ? 0U : 1U;
-    if (outcome == RawHalves::Outcome::image) return tell(message, size, out);
+    if (outcome == RawHalves::Outcome::image) return pass_on(message, size, out);
     if (outcome == RawHalves::Outcome::first_half) return answer(size);
     damage(size);
   }
@@ -152,7 +149,7 @@ class MlxRawScanner {
     message.frame.sensor_temp_c = static_cast<float>(own) / 100.0F;
     ++own_images_;
     if (is_new) message.fresh = {frame_pixels / 2, frame_pixels / 2};
-    tell(message, size, out);
+    pass_on(message, size, out);
   }
 
   void take_bus_fault(Bytes words, std::size_t size) {
@@ -160,13 +157,13 @@ class MlxRawScanner {
     bus_fault_ = fmt::format(
         "its bus takes {} ms to read a half-frame, too long for {:g} a second: at 400 kHz it takes 40 "
         "(Raspberry Pi: dtparam=i2c_arm=on,i2c_arm_baudrate=400000 in /boot/firmware/config.txt, then "
-        "restart; "
-        "MCP2221: options hid_mcp2221 i2c_clk_freq=400 in /etc/modprobe.d); or ask for fewer: --camera-rate",
+        "restart; MCP2221: options hid_mcp2221 i2c_clk_freq=400 in /etc/modprobe.d); or ask for fewer: "
+        "--camera-rate",
         raw_word(words, 1), rate_hz);
     answer(size);
   }
 
-  void tell(CameraMessage& message, std::size_t size, std::vector<CameraMessage>& out) {
+  void pass_on(CameraMessage& message, std::size_t size, std::vector<CameraMessage>& out) {
     message.resync_before = ledger_.take_gap();
     message.span = ledger_.book_message(size);
     ++ledger_.counters.messages;
@@ -197,8 +194,7 @@ class MlxRawScanner {
   std::array<std::int16_t, frame_pixels> last_image_{};
   std::vector<std::uint8_t> pending_;  // received, not yet booked
   std::uint64_t half_frames_ = 0, own_images_ = 0;
-  bool has_eeprom_ = false;
-  std::string eeprom_fault_, bus_fault_;
+  std::string bus_fault_;
 };
 
 CameraScanner mlx_raw_scanner(const CameraProfile&) {
@@ -210,8 +206,9 @@ std::optional<Evidence> recognise_mlx_raw(Bytes bytes) {
   std::vector<CameraMessage> messages;
   scanner.push(bytes, messages);
   const std::uint64_t heard = scanner.half_frames() + scanner.own_images();
-  const std::string& fault = scanner.bus_fault().empty() ? scanner.eeprom_fault() : scanner.bus_fault();
-  if (heard == 0 && fault.empty() && !scanner.has_eeprom()) return std::nullopt;
+  const std::string& fault =
+      scanner.bus_fault().empty() ? scanner.halves().eeprom_fault() : scanner.bus_fault();
+  if (heard == 0 && fault.empty() && !scanner.halves().has_eeprom()) return std::nullopt;
   Evidence evidence{.messages = std::max<std::uint64_t>(heard, 1),
                     .bytes = std::max<std::uint64_t>(scanner.counters().bytes_in_messages,
                                                      fault.empty() ? 0 : bytes.size()),
@@ -220,7 +217,7 @@ std::optional<Evidence> recognise_mlx_raw(Bytes bytes) {
   if (heard == 0) evidence.text = "the EEPROM of an MLX90640, and no half-frame";
   if (scanner.own_images() > 0)
     evidence.text = fmt::format("{} image(s) of an MLX90642", scanner.own_images());
-  else if (heard > 0 && !scanner.has_eeprom())
+  else if (heard > 0 && !scanner.halves().has_eeprom())
     evidence.text += ", without the sensor's EEPROM";
   if (!scanner.bus_fault().empty())
     evidence.advice = scanner.bus_fault();

@@ -17,12 +17,14 @@ class RawHalves {
   using Words = std::array<std::uint16_t, mlx90640::half_frame_words>;
   enum class Outcome : std::uint8_t { image, first_half, no_eeprom, refused };
 
-  /// Empty, or why these are no constants of a sensor: then those before stay.
-  std::string learn(const std::array<std::uint16_t, mlx90640::eeprom_words>& words) {
-    std::string fault = mlx90640::fault_of(words);
-    if (fault.empty()) sensor_ = mlx90640::parameters_of(words);
-    return fault;
+  /// False: these are no constants of a sensor, eeprom_fault() says why, and those before stay.
+  bool learn(const std::array<std::uint16_t, mlx90640::eeprom_words>& words) {
+    eeprom_fault_ = mlx90640::fault_of(words);
+    if (eeprom_fault_.empty()) sensor_ = mlx90640::parameters_of(words);
+    return eeprom_fault_.empty();
   }
+  bool has_eeprom() const { return sensor_.has_value(); }
+  const std::string& eeprom_fault() const { return eeprom_fault_; }
 
   Outcome push(const Words& words, wire::CameraMessage& message) {
     if (mlx90640::fault_of(words) != mlx90640::HalfFrameFault::none) return Outcome::refused;
@@ -46,6 +48,7 @@ class RawHalves {
 
  private:
   std::optional<mlx90640::Parameters> sensor_;
+  std::string eeprom_fault_;  // of the last
   mlx90640::HalfFrame half_;
   ThermalFrame frame_;
   Words last_{};

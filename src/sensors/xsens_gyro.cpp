@@ -138,8 +138,7 @@ ClockProperties xsens_clock(const GyroProfile&) {
   return {.tick_s = sample_time_s, .wrap_ticks = std::uint64_t{1} << 32U};
 }
 
-/// What else it sends is its owner's choice: with orientation, acceleration and magnetic
-/// field it is about that.
+/// With orientation, acceleration and magnetic field, which its owner may have it send, it is about that.
 std::uint64_t xsens_message_bytes(const GyroProfile&) {
   return 100;
 }

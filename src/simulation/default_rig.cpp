@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -63,8 +65,8 @@ std::span<const std::string_view> camera_kinds() {
 
 void choose_camera(std::string_view kind, VirtualRigConfig& config) {
   if (std::find(all_camera_kinds.begin(), all_camera_kinds.end(), kind) == all_camera_kinds.end())
-    throw Error(ExitCode::bad_usage, "there is no simulated camera \"" + std::string(kind) + "\"", "",
-                "half, full, query, text, binary, raw, i2c");
+    throw Error(ExitCode::bad_usage, fmt::format("there is no simulated camera \"{}\"", kind), "",
+                fmt::format("{}", fmt::join(all_camera_kinds, ", ")));
   CameraProfile& camera = config.profile.camera;
   const bool is_sketch = kind == "text" || kind == "binary";  // which merges both halves
   config.half_fresh = kind != "full" && !is_sketch;

@@ -6,21 +6,18 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <numbers>
 #include <utility>
 #include <vector>
 
 #include "random.h"
-#include "thermorig/simulation/firmware.h"
+#include "stepped_firmware.h"
 
 namespace thermorig::simulation {
 namespace {
 
-constexpr std::int64_t step_us = 1000;
 constexpr std::size_t table_bytes = 147;
 constexpr std::size_t most_pending = 1000;
-constexpr std::size_t kept_steps = 700;  // of the shaft
 constexpr double degree_a_count = 360.0 / 4096.0;
 constexpr double dps_a_unit = 1.374, dps2_a_unit = 21.4577;
 constexpr double loop_hz = 12.0;  // of its position loop; it feeds the profile's speed forward
@@ -71,10 +68,10 @@ std::uint16_t check_sum(const std::vector<std::uint8_t>& bytes, std::size_t coun
   return static_cast<std::uint16_t>(sum);
 }
 
-class Dynamixel final : public Firmware {
+class Dynamixel final : public SteppedFirmware {
  public:
   Dynamixel(std::uint8_t id, std::uint32_t baud, std::uint64_t seed, const DynamixelHabits& habits)
-      : habits_(habits), byte_us_(1e7 / baud) {
+      : SteppedFirmware(baud), habits_(habits) {
     Random random(seed, "dynamixel");
     shaft_deg_ = random.uniform(-60.0, 60.0);
     error_phase_rad_ = random.uniform(0.0, 2.0 * std::numbers::pi);
@@ -87,37 +84,8 @@ class Dynamixel final : public Firmware {
     table_[return_delay_address] = habits.return_delay;
     table_[mode_address] = habits.operating_mode;
     put(velocity_limit_address, 4, 445);
-    shaft_.push_back(shaft_deg_);
+    begin_at(shaft_deg_);
     refresh();
-  }
-
-  void receive(std::uint8_t byte, std::int64_t time_us) override { coming_.push_back({time_us, byte}); }
-
-  FirmwareOutput run_until(std::int64_t time_us) override {
-    while (true) {
-      const bool byte_is_next = !coming_.empty() && coming_.front().time_us <= next_step_us_;
-      if (byte_is_next && coming_.front().time_us <= time_us)
-        take_byte();
-      else if (!byte_is_next && next_step_us_ <= time_us)
-        step();
-      else
-        break;
-    }
-    FirmwareOutput output;
-    while (!going_.empty() && going_.front().time_us <= time_us) {
-      output.bytes.push_back(going_.front());
-      going_.pop_front();
-    }
-    return output;
-  }
-
-  std::optional<double> shaft_deg(double time_us) const override {
-    const double steps = std::max(0.0, (time_us - static_cast<double>(first_kept_us_)) / step_us);
-    const auto before = std::min(static_cast<std::size_t>(steps), shaft_.size() - 1);
-    if (before + 1 == shaft_.size())
-      return shaft_.back() + shaft_dps_ * (steps - static_cast<double>(before)) * 1e-6 * step_us;
-    const double share = steps - static_cast<double>(before);
-    return shaft_[before] + share * (shaft_[before + 1] - shaft_[before]);
   }
 
   std::string description() const override { return "a simulated Dynamixel"; }
@@ -125,10 +93,8 @@ class Dynamixel final : public Firmware {
  private:
   // ---- packets ----
 
-  void take_byte() {
-    const UartByte byte = coming_.front();
-    coming_.pop_front();
-    if (habits_.echoes) transmit({byte.value}, static_cast<double>(byte.time_us));
+  void take(const UartByte& byte) override {
+    if (habits_.echoes) transmit(std::array{byte.value}, static_cast<double>(byte.time_us));
     packet_.push_back(byte.value);
     while (!packet_.empty() && !can_begin()) packet_.erase(packet_.begin());
     if (packet_.size() < 7) return;
@@ -224,14 +190,6 @@ class Dynamixel final : public Firmware {
     transmit(whole, static_cast<double>(time_us) + 2.0 * table_[return_delay_address]);
   }
 
-  void transmit(const std::vector<std::uint8_t>& bytes, double from_us) {
-    line_free_us_ = std::max(line_free_us_, from_us);
-    for (const std::uint8_t byte : bytes) {
-      going_.push_back({static_cast<std::int64_t>(std::ceil(line_free_us_)), byte});
-      line_free_us_ += byte_us_;
-    }
-  }
-
   // ---- table ----
 
   std::int64_t get(std::size_t address) const {
@@ -265,9 +223,12 @@ class Dynamixel final : public Firmware {
     return table_[torque_address] != 0 && table_[mode_address] == 4 && table_[watchdog_address] != 0xFF;
   }
 
-  void step() {
+  double angle_deg() const override { return shaft_deg_; }
+  double rate_dps() const override { return shaft_dps_; }
+
+  void step(std::int64_t now_us) override {
     const double dt_s = 1e-6 * step_us;
-    watch_bus();
+    watch_bus(now_us);
     const double acceleration_dps2 =
         std::max<double>(1.0, static_cast<double>(get(acceleration_address))) * dps2_a_unit;
     if (table_[torque_address] == 0) {
@@ -283,12 +244,6 @@ class Dynamixel final : public Firmware {
       shaft_dps_ += wanted_dps2 * dt_s;
       shaft_deg_ += shaft_dps_ * dt_s;
     }
-    shaft_.push_back(shaft_deg_);
-    if (shaft_.size() > kept_steps) {
-      shaft_.pop_front();
-      first_kept_us_ += step_us;
-    }
-    next_step_us_ += step_us;
   }
 
   /// A speed that can still be brought to rest at the goal; a trapezium.
@@ -310,26 +265,20 @@ class Dynamixel final : public Firmware {
     profile_deg_ += profile_dps_ * dt_s;
   }
 
-  void watch_bus() {
+  void watch_bus(std::int64_t now_us) {
     const std::int64_t limit_us = 20'000LL * table_[watchdog_address];
     if (!habits_.has_watchdog || limit_us == 0 || table_[watchdog_address] == 0xFF) return;
-    if (next_step_us_ - last_heard_us_ > limit_us) table_[watchdog_address] = 0xFF;
+    if (now_us - last_heard_us_ > limit_us) table_[watchdog_address] = 0xFF;
   }
 
   DynamixelHabits habits_;
-  double byte_us_;
   std::array<std::uint8_t, table_bytes> table_{};
-  std::deque<UartByte> coming_, going_;
   std::vector<std::uint8_t> packet_;
-  double line_free_us_ = 0.0;
   std::int64_t last_heard_us_ = 0;
-  std::int64_t next_step_us_ = step_us;
   std::int64_t first_tick_ms_ = 0;
   double error_phase_rad_ = 0.0;
   double profile_deg_ = 0.0, profile_dps_ = 0.0;
   double shaft_deg_ = 0.0, shaft_dps_ = 0.0;
-  std::deque<double> shaft_;
-  std::int64_t first_kept_us_ = 0;
 };
 
 }  // namespace

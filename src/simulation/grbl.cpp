@@ -13,27 +13,23 @@
 #include <vector>
 
 #include "random.h"
-#include "thermorig/simulation/firmware.h"
+#include "stepped_firmware.h"
 
 namespace thermorig::simulation {
 namespace {
 
-constexpr std::int64_t motion_step_us = 1000;
 constexpr std::int64_t boot_us = 1'600'000;  // a boot loader listens first
-constexpr std::size_t kept_angles = 700;
 constexpr std::size_t longest_line = 80;
 constexpr std::size_t planned_max = 15;
 constexpr double steps_a_degree = 3200.0 * 4.0 / 360.0;
 constexpr unsigned offsets_every = 30, overrides_every = 20;
 
-class Grbl final : public Firmware {
+class Grbl final : public SteppedFirmware {
  public:
   Grbl(std::uint32_t baud, std::uint64_t seed, const GrblHabits& habits)
-      : habits_(habits), byte_us_(1e7 / baud), stands_at_deg_(Random(seed, "grbl").uniform(-40.0, 40.0)) {
-    angles_deg_.push_back(angle_deg());
+      : SteppedFirmware(baud), habits_(habits), stands_at_deg_(Random(seed, "grbl").uniform(-40.0, 40.0)) {
+    begin_at(angle_deg());
   }
-
-  void receive(std::uint8_t byte, std::int64_t time_us) override { coming_.push_back({time_us, byte}); }
 
   /// The line that says so resets an Arduino.
   void opened(std::int64_t time_us) override {
@@ -42,33 +38,6 @@ class Grbl final : public Firmware {
     reset_us_ = time_us;
     jogs_.clear();
     rate_dps_ = 0.0;
-  }
-
-  FirmwareOutput run_until(std::int64_t time_us) override {
-    while (true) {
-      const bool byte_is_next = !coming_.empty() && coming_.front().time_us <= next_step_us_;
-      if (byte_is_next && coming_.front().time_us <= time_us)
-        take_byte();
-      else if (!byte_is_next && next_step_us_ <= time_us)
-        step();
-      else
-        break;
-    }
-    FirmwareOutput output;
-    while (!going_.empty() && going_.front().time_us <= time_us) {
-      output.bytes.push_back(going_.front());
-      going_.pop_front();
-    }
-    return output;
-  }
-
-  std::optional<double> shaft_deg(double time_us) const override {
-    const double at = std::max(0.0, (time_us - static_cast<double>(first_kept_us_)) / motion_step_us);
-    const auto before = std::min(static_cast<std::size_t>(at), angles_deg_.size() - 1);
-    if (before + 1 == angles_deg_.size())
-      return angles_deg_.back() + rate_dps_ * (at - static_cast<double>(before)) * 1e-6 * motion_step_us;
-    const double share = at - static_cast<double>(before);
-    return angles_deg_[before] + share * (angles_deg_[before + 1] - angles_deg_[before]);
   }
 
   std::string description() const override { return "a simulated GRBL"; }
@@ -81,9 +50,7 @@ class Grbl final : public Firmware {
 
   // ---- lines ----
 
-  void take_byte() {
-    const UartByte byte = coming_.front();
-    coming_.pop_front();
+  void take(const UartByte& byte) override {
     now_us_ = byte.time_us;
     if (!has_booted_) return;
     if (byte.value == '?') return report();
@@ -98,12 +65,8 @@ class Grbl final : public Firmware {
   }
 
   void say(const std::string& text) {
-    line_free_us_ = std::max(line_free_us_, static_cast<double>(now_us_));
-    for (const char character : text + "\r\n") {
-      going_.push_back(
-          {static_cast<std::int64_t>(std::ceil(line_free_us_)), static_cast<std::uint8_t>(character)});
-      line_free_us_ += byte_us_;
-    }
+    const std::string line = text + "\r\n";
+    transmit(std::vector<std::uint8_t>(line.begin(), line.end()), static_cast<double>(now_us_));
   }
 
   /// It keeps its position, but not that of a motor that was turning.
@@ -115,7 +78,7 @@ class Grbl final : public Firmware {
   void start() {
     has_booted_ = true;
     is_locked_ = habits_.is_locked;
-    stands_at_deg_ = angles_deg_.back();
+    stands_at_deg_ = angle_deg();
     position_deg_ = 0.0;
     begin_anew();
   }
@@ -180,20 +143,15 @@ class Grbl final : public Firmware {
 
   // ---- motion ----
 
-  double angle_deg() const {
+  double rate_dps() const override { return rate_dps_; }
+  double angle_deg() const override {
     return stands_at_deg_ + std::round(position_deg_ * 16.0 * steps_a_degree) / (16.0 * steps_a_degree);
   }
 
-  void step() {
-    now_us_ = next_step_us_;
-    if (!has_booted_ && next_step_us_ >= reset_us_ + boot_us) start();
-    move(1e-6 * motion_step_us * (1.0 + habits_.clock_error));
-    angles_deg_.push_back(angle_deg());
-    if (angles_deg_.size() > kept_angles) {
-      angles_deg_.pop_front();
-      first_kept_us_ += motion_step_us;
-    }
-    next_step_us_ += motion_step_us;
+  void step(std::int64_t now_us) override {
+    now_us_ = now_us;
+    if (!has_booted_ && now_us >= reset_us_ + boot_us) start();
+    move(1e-6 * step_us * (1.0 + habits_.clock_error));
   }
 
   /// Jogs of one direction join without a stop; each is planned so that the last of them ends at rest.
@@ -229,17 +187,13 @@ class Grbl final : public Firmware {
   }
 
   GrblHabits habits_;
-  double byte_us_;
-  std::deque<UartByte> coming_, going_;
   std::string line_;
   std::deque<Jog> jogs_;
   bool has_booted_ = false, is_locked_ = false, cancels_ = false;
   unsigned reports_ = 0;
-  double line_free_us_ = 0.0;
-  std::int64_t reset_us_ = 0, now_us_ = 0, next_step_us_ = motion_step_us, first_kept_us_ = 0;
+  std::int64_t reset_us_ = 0, now_us_ = 0;
   double position_deg_ = 0.0, rate_dps_ = 0.0;
   double stands_at_deg_;  // when its position was 0
-  std::deque<double> angles_deg_;
 };
 
 }  // namespace

@@ -39,13 +39,20 @@ CameraConfig camera_config(const VirtualRigConfig& rig) {
           .scene = rig.world.scene};
 }
 
-std::uint32_t camera_line_baud(const VirtualRigConfig& rig) {
-  const std::uint32_t baud = rig.profile.camera.link.baud;
-  return baud == 0 ? rig.camera_bus_baud : baud;
+bool is_on_bus(const CameraProfile& camera) {
+  return camera.link.baud == 0;
 }
 
+std::uint32_t camera_line_baud(const VirtualRigConfig& rig) {
+  return is_on_bus(rig.profile.camera) ? rig.camera_bus_baud : rig.profile.camera.link.baud;
+}
+
+/// A bus of the computer has no hub and no frames that jitter.
 UsbPath path_of(const VirtualRigConfig& rig, Device device) {
-  return {rig.links[device], rig.seed, name_of(device), rig.world.links};
+  LinksWorld links = rig.world.links;
+  if (device == Device::camera && is_on_bus(rig.profile.camera))
+    links.hub_delay_ms = links.hub_jitter_ms = links.frame_jitter_ms = 0.0;
+  return {rig.links[device], rig.seed, name_of(device), links};
 }
 
 /// The hand's turns by the host's clock, in rig time.
@@ -160,12 +167,12 @@ void VirtualRig::Parts::turn_shaft(std::int64_t until_ns) {
     plant.step(shaft.known_until_ns());
     const std::int64_t time_ns = shaft.known_until_ns() + Shaft::step_ns;
     const auto driven_deg = servo.shaft_deg(time_ns);
-    const double driven_dps =
-        driven_deg ? (*driven_deg - *servo.shaft_deg(time_ns - 1'000'000)) / 1e-3 : plant.rate_dps();
     const double angle_deg = driven_deg.value_or(plant.angle_deg()) + hand.angle_deg(time_ns);
     shaft.append(angle_deg);
-    if (keep_truth && time_ns % 1'000'000 == 0)
-      shaft_truth.push_back({host_time(time_ns), angle_deg, driven_dps + hand.rate_dps(time_ns)});
+    if (!keep_truth || time_ns % 1'000'000 != 0) continue;
+    const double driven_dps =
+        driven_deg ? (*driven_deg - *servo.shaft_deg(time_ns - 1'000'000)) / 1e-3 : plant.rate_dps();
+    shaft_truth.push_back({host_time(time_ns), angle_deg, driven_dps + hand.rate_dps(time_ns)});
   }
 }
 

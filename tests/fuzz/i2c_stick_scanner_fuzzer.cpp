@@ -1,23 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include <cmath>
-
-#include "scanner_fuzz.h"
-#include "thermorig/sensors/camera_protocol.h"
+#include "camera_fuzz.h"
 
 /// Any bytes: 768 finite temperatures a frame or none, and at most one half of it is new.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace thermorig;
-  const test::ByteSpan input(data, size);
-  CameraProfile profile;
-  profile.protocol = "i2c-stick";
-  test::fuzz_scanner<wire::CameraMessage>(sensors::camera_scanner(profile), input, 6000);
-  sensors::CameraScanner scanner = sensors::camera_scanner(profile);
-  std::vector<wire::CameraMessage> messages;
-  scanner.push(input, messages);
-  for (const auto& message : messages) {
-    test::require(!message.fresh.both_fresh(), "one half at most is new");
-    for (const float temp_c : message.frame.temp_c)
-      test::require(std::isfinite(temp_c), "temperatures are finite");
-  }
+  const thermorig::test::FuzzedCamera camera("i2c-stick", {data, size}, 6000);
+  for (const auto& message : camera.messages)
+    thermorig::test::require(!message.fresh.both_fresh(), "one half at most is new");
   return 0;
 }

@@ -38,7 +38,7 @@ struct Ridden {
   explicit Ridden(FakeBus::Measure measure = warming_room()) : bus(std::move(measure)) {}
 
   void find() { camera.find(); }
-  void tell(const std::string& text) {
+  void ask(const std::string& text) {
     const std::vector<std::uint8_t> command(text.begin(), text.end());
     camera.hear(command);
   }
@@ -102,7 +102,7 @@ TEST(I2cCamera, MakesAnImageOfEachHalfFrameAndBeginsItWithinTwoMillisecondsOfIts
     SCOPED_TRACE(digit);
     Ridden rig;
     rig.find();
-    rig.tell("MXR" + std::to_string(digit) + "\n");
+    rig.ask("MXR" + std::to_string(digit) + "\n");
     ASSERT_TRUE(rig.ride(10.0));
     const auto came = rig.came();
     const double due = 10.0 * std::ldexp(0.5, digit);
@@ -122,7 +122,7 @@ TEST(I2cCamera, MakesAnImageOfEachHalfFrameAndBeginsItWithinTwoMillisecondsOfIts
 TEST(I2cCamera, WritesNothingBelow0x8000) {
   Ridden rig;
   rig.find();
-  rig.tell("MXR5\n");
+  rig.ask("MXR5\n");
   ASSERT_TRUE(rig.ride(3.0));
   EXPECT_THAT(rig.bus.written_to, SizeIs(2));
   EXPECT_THAT(rig.bus.written_to, Each(Ge(0x8000)));
@@ -132,14 +132,14 @@ TEST(I2cCamera, PutsASensorThatAnotherProgramHasSetOtherwiseIntoChessHalvesInTur
   Ridden rig;
   rig.bus.memory[0x800D] = 0x0908;  // interleaved, one subpage again and again
   rig.find();
-  rig.tell("MXR4\n");
+  rig.ask("MXR4\n");
   ASSERT_TRUE(rig.ride(2.0));
   EXPECT_EQ(rig.bus.memory[0x800D], 0x1A01);
   EXPECT_GE(rig.came().size(), 10U);
   EXPECT_EQ(rig.counters.bytes_in_damaged, 0U) << "what was begun before is left out";
 }
 
-TEST(I2cCamera, KeepsTheRateOfTheSensorUntilItIsToldOne) {
+TEST(I2cCamera, KeepsTheRateOfTheSensorUntilItIsAskedForOne) {
   Ridden rig;  // 2 a second, as from the factory
   rig.find();
   ASSERT_TRUE(rig.ride(4.0));
@@ -147,11 +147,11 @@ TEST(I2cCamera, KeepsTheRateOfTheSensorUntilItIsToldOne) {
   EXPECT_EQ(rig.bus.memory[0x800D], 0x1901);
 }
 
-/// A measurement ends while it is read: its end tells, and nothing of it is shown.
+/// A measurement ends while it is read: its last word shows it, and nothing of it becomes an image.
 TEST(I2cCamera, PassesOnTornHalfFramesForWhatTheyAre) {
   Ridden rig;
   rig.find();
-  rig.tell("MXR4\n");
+  rig.ask("MXR4\n");
   ASSERT_TRUE(rig.ride(3.0));
   rig.came();
   ASSERT_EQ(rig.counters.bytes_in_damaged, 0U);
@@ -172,14 +172,14 @@ TEST(I2cCamera, RefusesHalfFramesOnlyWhenTheBusIsTooSlowForTheRateAndSaysSo) {
   Ridden rig;
   rig.bus.bus_hz = 100e3;
   rig.find();
-  rig.tell("MXR4\n");
+  rig.ask("MXR4\n");
   ASSERT_TRUE(rig.ride(3.0));
   EXPECT_THAT(rig.came(), IsEmpty());
   const auto found = sensors::recognise(rig.bytes(), 3.0);
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_THAT(found[0].evidence.advice,
               HasSubstr("takes 150 ms to read a half-frame, too long for 8 a second"));
-  rig.tell("MXR3\n");
+  rig.ask("MXR3\n");
   ASSERT_TRUE(rig.ride(5.0));
   EXPECT_NEAR(static_cast<double>(rig.came().size()), 19.0, 2.0) << "4 a second it can do";
 }
@@ -197,7 +197,7 @@ TEST(I2cCamera, ReadsInPiecesWhereABridgeTakesNoMore) {
   Ridden rig;
   rig.bus.longest_read = 512;  // a CP2112
   rig.find();
-  rig.tell("MXR4\n");
+  rig.ask("MXR4\n");
   ASSERT_TRUE(rig.ride(2.0));
   EXPECT_GE(rig.came().size(), 10U);
   EXPECT_EQ(rig.counters.bytes_in_damaged, 0U);
@@ -206,7 +206,7 @@ TEST(I2cCamera, ReadsInPiecesWhereABridgeTakesNoMore) {
 TEST(I2cCamera, OutlivesAnswersThatAreMissedAndIsGoneWhenTheyStayAway) {
   Ridden rig;
   rig.find();
-  rig.tell("MXR4\n");
+  rig.ask("MXR4\n");
   ASSERT_TRUE(rig.ride(2.0));
   const std::size_t before = rig.came().size();
   rig.bus.failures = 5;
@@ -248,7 +248,7 @@ TEST(I2cCamera, ReadsTheTemperaturesOfAnMlx90642AndWritesNothingToIt) {
   rig.bus.memory[0x11F0] = 4;
   rig.bus.memory[0x3A2C] = 2871;
   rig.find();
-  rig.tell("MXR5\n");
+  rig.ask("MXR5\n");
   ASSERT_TRUE(rig.ride(3.0));
   const auto came = rig.came();
   ASSERT_GE(came.size(), 22U);

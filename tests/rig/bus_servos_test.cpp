@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Servos that do not carry our firmware, in virtual time: whole recordings, and what stops when the host
 // dies.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -11,15 +12,13 @@
 #include <csignal>
 #include <thread>
 
-#include "simulated_bus.h"
+#include "struck_leg.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/discovery/detect.h"
 #include "thermorig/rig/recording/finalise.h"
-#include "thermorig/rig/recording/port_recording.h"
-#include "thermorig/rig/sweep/dynamixel_driver.h"
+#include "thermorig/rig/sweep/grbl_driver.h"
 #include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/simulation/simulated_ports/simulated_ports.h"
-#include "virtual_ports.h"
 
 namespace thermorig::rig::test::bus_servos {
 namespace {
@@ -27,23 +26,12 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr double until_rest_s = 0.5;
-constexpr double rest_dps = 1.0;
-constexpr double moving_dps = 20.0;
 
 simulation::VirtualRigConfig rig_config(std::uint64_t seed, const std::string& protocol = "dynamixel") {
   simulation::VirtualRigConfig config = simulation::default_rig(seed, "garden");
   sensors::choose_servo(protocol, config.profile.servo);
   if (protocol == "dynamixel") config.profile.servo.link.baud = 1'000'000;
   return config;
-}
-
-SweepPlan two_legs(double rate_dps, int frames) {
-  PlanOverrides overrides;
-  overrides.magnitudes_dps = {rate_dps};
-  overrides.frames_per_leg = frames;
-  overrides.valid_per_leg = 0;
-  overrides.opening_rest_s = overrides.closing_rest_s = 0.3;
-  return load_plan("quick", "garden", 1, overrides);
 }
 
 class BusServoRig : public ::testing::Test {
@@ -102,14 +90,14 @@ using DynamixelRig = BusServoRig;
 TEST_F(DynamixelRig, IsReadAllTheSameThroughAnAdapterThatEchoes) {
   simulation::VirtualRigConfig config = rig_config(2);
   config.dynamixel.echoes = true;
-  const RecordingResult result = record(config, two_legs(90.0, 12));
+  const RecordingResult result = record(config, two_legs(12));
   EXPECT_EQ(result.exit, ExitCode::ok) << result.message;
 }
 
 TEST_P(EachBusServo, TurnsBackAtTheEndsOfItsTravelInALegThatIsLonger) {
   simulation::VirtualRigConfig config = rig_config(3, GetParam());
   config.profile.servo.travel_deg = 270.0;
-  const RecordingResult result = record(config, two_legs(90.0, 40));
+  const RecordingResult result = record(config, two_legs(40));
   EXPECT_EQ(result.exit, ExitCode::ok) << result.message;
   const session::Session session = session::read_session(result.session);
   const double limit_deg = *angle_limit_deg(config.profile.servo) + 0.1;
@@ -118,10 +106,10 @@ TEST_P(EachBusServo, TurnsBackAtTheEndsOfItsTravelInALegThatIsLonger) {
 
 TEST_F(DynamixelRig, OfAnotherIdIsNamed) {
   const simulation::VirtualRigConfig config = rig_config(4);
-  ServoProfile told = config.profile.servo;
-  told.bus_id = 3;
+  ServoProfile other_id = config.profile.servo;
+  other_id.bus_id = 3;
   try {
-    record(config, two_legs(90.0, 12), told);
+    record(config, two_legs(12), other_id);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::device_missing);
@@ -129,49 +117,16 @@ TEST_F(DynamixelRig, OfAnotherIdIsNamed) {
   }
 }
 
-/// What is left of the servo's rest when nobody speaks to it any more.
-class HostDies : public ::testing::TestWithParam<const char*> {
+/// The servo comes to rest though nobody speaks to it any more.
+class HostDies : public ::testing::TestWithParam<const char*>, protected StruckLeg {
  protected:
-  /// Records, has `mishap` strike in the first leg, and lets the rig go on for a second.
-  RecordingResult suffer(const std::function<void()>& mishap) {
-    options_.recording = recording_options(folder_, config_.profile, two_legs(90.0, 40));
-    for (const Device device : all_devices)
-      options_.recording.profile.link(device).port = ports_.paths()[device];
-    options_.progress_period = std::chrono::milliseconds(50);
-    ports_.rig().keep_truth(true);
-    options_.progress = [this, mishap](const RecordingProgress& progress) {
-      if (struck_ || progress.sweep.phase != SweepPhase::leg || progress.sweep.frames < 4) return;
-      struck_ = ports_.now();
-      mishap();
-    };
-    RecordingResult result;
-    try {
-      result = record_ports(options_, ports_);
-    } catch (const Error& error) {
-      result.exit = error.code();
-    }
-    ports_.let_pass(std::chrono::seconds(1));
-    return result;
-  }
-
-  double fastest_dps(HostTime from, HostTime until) {
-    double fastest = 0.0;
-    for (const simulation::TruthSample& sample : ports_.rig().shaft())
-      if (sample.time >= from && sample.time <= until) fastest = std::max(fastest, std::abs(sample.rate_dps));
-    return fastest;
-  }
+  HostDies() : StruckLeg(rig_config(5, GetParam())) {}
 
   void expect_rest_until(HostTime end) {
     ASSERT_TRUE(struck_);
     EXPECT_GT(fastest_dps(*struck_ - from_s(1.0), *struck_), moving_dps);
     EXPECT_LT(fastest_dps(*struck_ + from_s(until_rest_s), end), rest_dps);
   }
-
-  simulation::VirtualRigConfig config_ = rig_config(5, GetParam());
-  TemporaryFolder folder_;
-  VirtualPorts ports_{config_, simulation::make_servo(config_)};
-  PortOptions options_;
-  std::optional<HostTime> struck_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Protocols, HostDies, ::testing::Values("dynamixel", "grbl"),
@@ -199,8 +154,7 @@ std::vector<simulation::TruthSample> shaft_after_a_kill(const simulation::Virtua
   const TemporaryFolder folder;
   RunOptions run;
   run.give_up_at_s = killed_at_s;
-  const DrivenRun driven =
-      run_to_journal(bus, recording_options(folder, config.profile, two_legs(90.0, 80)), run);
+  const DrivenRun driven = run_to_journal(bus, recording_options(folder, config.profile, two_legs(80)), run);
   EXPECT_FALSE(driven.failure);
   bus.advance(HostTime{} + from_s(killed_at_s));
   EXPECT_GT(std::abs(bus.rig.shaft().back().rate_dps), moving_dps);
@@ -227,6 +181,43 @@ TEST(DynamixelWithoutAWatchdog, RestsAtTheEndOfItsLegAfterAKill) {
   EXPECT_LT(std::abs(shaft.back().angle_deg), config.profile.servo.travel_deg / 2.0);
 }
 
+/// GRBL has no such state: what was noted is all that telemetry has of it.
+TEST(GrblDriver, NotesADisarmThatOvertakesAnArm) {
+  const ServoProfile servo = rig_config(1, "grbl").profile.servo;
+  GrblDriver driver(servo);
+  HostTime now = HostTime{} + from_s(10.0);
+  const auto said = [&] {
+    const auto bytes = driver.poll(now += std::chrono::milliseconds(10));
+    return std::string(bytes.begin(), bytes.end());
+  };
+  const auto answer = [&](const std::string& line) {
+    driver.answer({.body = wire::ServoReply{.data = {line.begin(), line.end()}}}, now);
+  };
+  const auto report_rest = [&] {
+    TimedServo report;
+    report.stamp.arrival = report.stamp.time = now += std::chrono::milliseconds(10);
+    driver.telemetry(report);
+  };
+  driver.greet();
+  driver.answer({.body = wire::ServoWelcome{}}, now);
+  EXPECT_EQ(said(), "$$\n");
+  answer(fmt::format("$120={}", servo.acceleration_dps2));
+  answer("ok");
+  report_rest();
+  ASSERT_TRUE(driver.greeted());
+  driver.arm(0.0);
+  EXPECT_THAT(said(), HasSubstr("(armed)"));
+  driver.disarm();
+  answer("ok");  // to the note before
+  EXPECT_FALSE(driver.idle());
+  EXPECT_THAT(said(), HasSubstr("\x85"));
+  report_rest();
+  EXPECT_THAT(said(), HasSubstr("(disarmed)"));
+  answer("ok");
+  EXPECT_FALSE(driver.armed());
+  EXPECT_TRUE(driver.idle());
+}
+
 /// By the clock: the recorder is a process of its own, which is stopped (SIGSTOP) in its first leg.
 class BusServoDrill : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Protocols, BusServoDrill, ::testing::Values("dynamixel"),
@@ -243,7 +234,7 @@ TEST_P(BusServoDrill, ARecorderThatIsStoppedOnPseudoTerminalsLeavesTheServoAtRes
   if (recorder == 0) {
     alarm(60);
     PortOptions options;
-    options.recording = recording_options(folder, config.profile, two_legs(90.0, 80));
+    options.recording = recording_options(folder, config.profile, two_legs(80));
     options.recording.virtual_time = false;
     for (const Device device : all_devices)
       options.recording.profile.link(device).port = ports.paths()[device];

@@ -11,11 +11,9 @@
 
 #include "journal/failing_disk.h"
 #include "servo_limits.h"
-#include "simulated_bus.h"
-#include "thermorig/rig/recording/port_recording.h"
+#include "struck_leg.h"
 #include "thermorig/sensors/wire/servo_messages.h"
 #include "thermorig/simulation/simulated_ports/simulated_ports.h"
-#include "virtual_ports.h"
 
 namespace thermorig::rig::test {
 namespace {
@@ -23,48 +21,10 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr double until_rest_s = 0.3;
-constexpr double rest_dps = 1.0;
-constexpr double moving_dps = 20.0;
 
-/// The default rig, which is struck in the first of two legs of five seconds.
-class ServoRest : public ::testing::Test {
+class ServoRest : public ::testing::Test, protected StruckLeg {
  protected:
-  ServoRest() {
-    PlanOverrides overrides;
-    overrides.magnitudes_dps = {90.0};
-    overrides.frames_per_leg = 40;
-    overrides.valid_per_leg = 0;
-    overrides.opening_rest_s = overrides.closing_rest_s = 0.3;
-    options_.recording = recording_options(folder_, simulation::default_profile(),
-                                           load_plan("quick", "kitchen", 1, overrides));
-    for (const Device device : all_devices)
-      options_.recording.profile.link(device).port = ports_.paths()[device];
-    options_.progress_period = std::chrono::milliseconds(50);
-  }
-
-  /// Records, has `mishap` strike in the first leg, and lets the rig go on for a second.
-  RecordingResult suffer(const std::function<void()>& mishap) {
-    options_.progress = [this, mishap](const RecordingProgress& progress) {
-      if (struck_ || progress.sweep.phase != SweepPhase::leg || progress.sweep.frames < 4) return;
-      struck_ = ports_.now();
-      mishap();
-    };
-    RecordingResult result;
-    try {
-      result = record_ports(options_, ports_);
-    } catch (const Error& error) {
-      result.exit = error.code();
-    }
-    ports_.let_pass(std::chrono::seconds(1));
-    return result;
-  }
-
-  double fastest_dps(HostTime from, HostTime until) {
-    double fastest = 0.0;
-    for (const simulation::TruthSample& sample : ports_.rig().shaft())
-      if (sample.time >= from && sample.time <= until) fastest = std::max(fastest, std::abs(sample.rate_dps));
-    return fastest;
-  }
+  ServoRest() : StruckLeg(simulation::default_rig(3, "garden")) {}
 
   void expect_rest_from(HostTime begin, HostTime end) {
     EXPECT_GT(fastest_dps(begin - from_s(1.0), begin), moving_dps);
@@ -83,11 +43,6 @@ class ServoRest : public ::testing::Test {
     for (const Device device : all_devices)
       EXPECT_TRUE(raw.received[device].bytes == ports_.delivered(device)) << name_of(device);
   }
-
-  TemporaryFolder folder_;
-  VirtualPorts ports_{simulation::default_rig(3, "garden")};
-  PortOptions options_;
-  std::optional<HostTime> struck_;
 };
 
 class EachCable : public ServoRest, public ::testing::WithParamInterface<Device> {};

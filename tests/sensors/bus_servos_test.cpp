@@ -87,8 +87,23 @@ TEST(Grbl, ReportsAreReadWithWhatWasSent) {
   EXPECT_EQ(driven.motion, ServoMotion::steady);
   EXPECT_EQ(driven.rate_dps, -30.0);
   EXPECT_EQ(driven.leg, 7);
-  scanner.sent(grbl::jog_cancel());
+  scanner.sent(Bytes{grbl::jog_cancel});
   EXPECT_EQ(report(at_rest).leg, 0);
+}
+
+/// A rest has no lines, and ten requests a second.
+TEST(Grbl, WhatIsSentAfterALongRestIsUnderstood) {
+  sensors::ServoScanner scanner = sensors::servo_protocol("grbl").scanner({});
+  scanner.sent(Bytes(600, grbl::status_request));
+  scanner.sent(grbl::power_note(true));
+  scanner.sent(Bytes(600, grbl::status_request));
+  scanner.sent(grbl::jog_line({6.0, 30.0, 7}));
+  std::vector<wire::ServoMessage> messages;
+  const std::string report = "<Jog|MPos:1.000,0.000,0.000|FS:1800,0>\r\n";
+  scanner.push(Bytes(report.begin(), report.end()), messages);
+  const ServoState state = std::get<ServoState>(messages.at(0).body);
+  EXPECT_EQ(state.leg, 7);
+  EXPECT_EQ(state.motion, ServoMotion::steady);
 }
 
 TEST(Grbl, IsRecognisedByItsBannerAlone) {
@@ -99,7 +114,6 @@ TEST(Grbl, IsRecognisedByItsBannerAlone) {
   EXPECT_EQ(found.front().protocol, "grbl");
 }
 
-/// The maker's own examples.
 TEST(Dynamixel, TelemetryBelongsToTheLegThatWasNotedBeforeItWasAskedFor) {
   const Bytes telemetry = read_vectors("dynamixel.txt").front().bytes;
   sensors::ServoScanner scanner = scanner_of(1);

@@ -28,6 +28,7 @@ TEST(Grbl, AJogThatIsSentReadsBackWithItsLeg) {
     EXPECT_FALSE(grbl::parse_jog(other)) << other;
 }
 
+/// The maker's own examples.
 TEST(Dynamixel, PacketsAreThoseOfTheDocument) {
   EXPECT_EQ(dynamixel::ping(1), (Bytes{0xFF, 0xFF, 0xFD, 0x00, 0x01, 0x03, 0x00, 0x01, 0x19, 0x4E}));
   EXPECT_EQ(dynamixel::write(1, dynamixel::at::bus_watchdog, Bytes{10}),
@@ -69,13 +70,10 @@ TEST(Dynamixel, NumbersOfFourBytesComeBack) {
   }
 }
 
-TEST(Grbl, NotesAndRealTimeBytesAreThoseOfTheDocument) {
+TEST(Grbl, NotesAreThoseOfTheDocument) {
   EXPECT_EQ(grbl::parse_power_note("(armed)"), true);
   EXPECT_EQ(grbl::parse_power_note("(disarmed)"), false);
   EXPECT_FALSE(grbl::parse_power_note("$X"));
-  EXPECT_EQ(grbl::status_request(), Bytes{'?'});
-  EXPECT_EQ(grbl::jog_cancel(), Bytes{0x85});
-  EXPECT_EQ(grbl::soft_reset(), Bytes{0x18});
   EXPECT_EQ(grbl::settings_request(), (Bytes{'$', '$', '\n'}));
   EXPECT_EQ(grbl::unlock(), (Bytes{'$', 'X', '\n'}));
   EXPECT_EQ(grbl::power_note(true).back(), '\n');

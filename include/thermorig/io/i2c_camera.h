@@ -27,7 +27,7 @@ class I2cBus {
 
 /// Reads a thermal sensor on a bus, and makes a stream of bytes of what it holds: protocols/mlx_raw.md. An
 /// MLX90640 at 0x33 or an MLX90642 at 0x66. Nothing is written to either but the MLX90640's registers from
-/// 0x8000 on, which it forgets when it is switched off. No thread and no clock of its own: whoever has both
+/// 0x8000 on, which it forgets when it is switched off. It has no thread and no clock of its own: its owner
 /// calls turn() when it is due.
 class I2cCamera {
  public:

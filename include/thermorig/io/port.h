@@ -68,8 +68,8 @@ class Loop {
 
   /// Opens a port exclusively (flock; real ports TIOCEXCL as well), raw 8N1 at link.baud, which a pty
   /// ignores. Bytes that arrived before are thrown away. An I2C bus is read from a thread of its own, until
-  /// close(). Throws Error: device_missing (no such port, not a
-  /// serial port, baud refused), no_permission (not allowed, in use and by whom, or the system's console).
+  /// close(). Throws Error: device_missing (no such port, not a serial port, baud refused), no_permission
+  /// (not allowed, in use and by whom, or the system's console).
   PortId open(const PortProfile& link, PortHandlers handlers, Refusal refusal = Refusal::names_holder);
 
   /// Serves what is open already and non-blocking: a terminal that was set up, a socket (whose SIGPIPE,

@@ -34,7 +34,7 @@ struct ServoProtocol {
   // None: that depends on how it was put together, and has to be calibrated (EncoderProfile).
   std::optional<double> shaft_error_deg;
 
-  /// It is told what is sent to the servo as well, where answers are not to be understood without.
+  /// Its sent() takes what is written to the servo, without which some answers cannot be understood.
   ServoScanner (*scanner)(const ServoProfile& profile);
   /// Nothing if the bytes hold too few of its messages.
   std::optional<Evidence> (*recognise)(std::span<const std::uint8_t> bytes);

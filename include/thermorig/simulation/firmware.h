@@ -58,7 +58,7 @@ class Firmware {
   /// One byte arrives whole at `time_us` (end of its stop bit), not before the last run_until().
   virtual void receive(std::uint8_t byte, std::int64_t time_us) = 0;
 
-  /// What an AS5600 on its I2C shows from now on. Never told: there is none.
+  /// What an AS5600 on its I2C shows from now on. Never called: there is none.
   virtual void sense(const SensorRegisters& /*registers*/) {}
 
   /// Runs to `time_us` after reset.
@@ -101,7 +101,7 @@ struct GrblHabits {
   double acceleration_dps2 = 2000.0;  // $120
   double clock_error = 0.003;         // of its resonator, as a share
   bool resets_on_open = true;         // of its port, as an Arduino does
-  bool is_locked = false;             // after each reset, until it is told
+  bool is_locked = false;             // after each reset, until $X
 };
 
 /// A stepper behind GRBL 1.1, whose first axis turns: source protocols/grbl.md.

@@ -67,7 +67,7 @@ Error silent_device(Device device, const RigProfile& profile, const FirstBytes& 
   if (evidence.role == device && evidence.protocol != expected.protocol)
     return other_protocol(device, evidence, expected.sends, where);
   const auto id = evidence.found.settings.find("bus_id");
-  if (device == Device::servo && id != evidence.found.settings.end())
+  if (device == Device::servo && id != evidence.found.settings.end() && id->second != profile.servo.bus_id)
     return {ExitCode::device_missing,
             fmt::format("a servo of ID {:.0f} answers, but none of ID {}", id->second, profile.servo.bus_id),
             where, fmt::format("say bus_id = {:.0f} in the [servo] section of the rig profile", id->second)};

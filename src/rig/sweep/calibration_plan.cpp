@@ -111,7 +111,7 @@ SweepPlan lens_plan(const ServoProfile& servo, const CameraProfile& camera) {
   return plan;
 }
 
-// Errors of the gyro that repeat with each turn count the less the faster it turns, and many turns tell more.
+// Errors of the gyro that repeat with each turn count the less the faster it turns, and many turns show more.
 // A servo of little travel has short legs instead of slow ones, and more of them.
 SweepPlan encoder_plan(const ServoProfile& servo, const CameraProfile& camera) {
   constexpr double shares[] = {1.0, 0.75, 0.5};

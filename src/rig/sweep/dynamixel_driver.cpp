@@ -110,11 +110,11 @@ void DynamixelDriver::greet() {
   steps_.clear();
   reads_ = false;
   refusal_.reset();
-  was_reset_ = gave_up_ = armed_ = looks_why_off_ = false;
+  was_reset_ = gave_up_ = armed_ = false;
   course_.reset();
   welcome_.reset();
   other_id_.reset();
-  // To all every other time: who has another ID is told so.
+  // To all every other time: a wrong ID in the profile is named.
   push({.what = "a ping",
         .bytes = [this] { return dynamixel::ping(steps_.front().sent % 2 == 0 ? id_ : dynamixel::every_id); },
         .answer = {}});
@@ -367,11 +367,10 @@ void DynamixelDriver::telemetry(const TimedServo& servo) {
   turn_back();
 }
 
-/// It was told to hold, and does not: it has switched its motor off, or has been off itself.
+/// Its torque was switched on and is off: it has switched its motor off, or has been off itself.
 void DynamixelDriver::look_why_off() {
-  if (std::exchange(looks_why_off_, true)) return;
   read("its state", at::hardware_error, 1, [this](const Data& data) {
-    looks_why_off_ = armed_ = false;
+    armed_ = false;
     if (data[0] == 0) {
       was_reset_ = true;
       return;

@@ -19,7 +19,7 @@ namespace {
 
 namespace grbl = wire::grbl;
 
-constexpr double piece_s = 0.2;   // of a jog; two of them are told at most: 0.4 s
+constexpr double piece_s = 0.2;   // of a jog; two of them are under way at most: 0.4 s
 constexpr double ahead_s = 0.22;  // the next one is sent when so much is left
 constexpr auto status_period = std::chrono::milliseconds(100);
 constexpr auto boot_patience = std::chrono::milliseconds(2500);  // opening the port has reset it
@@ -97,7 +97,7 @@ void GrblDriver::stop() {
 
 void GrblDriver::clear() {
   next_.reset();
-  if (!power_sent_) power_due_.reset();
+  power_due_ = power_sent_;
 }
 
 // ---- time -----------------------------------------------------------------------------------------------
@@ -108,14 +108,12 @@ std::vector<std::uint8_t> GrblDriver::poll(HostTime now) {
     cancelling_ = true;
     cancelled_ = now;
     last_status_ = now;
-    std::vector<std::uint8_t> bytes = grbl::jog_cancel();
-    bytes.push_back(grbl::status_request().front());
-    return bytes;
+    return {grbl::jog_cancel, grbl::status_request};
   }
   std::vector<std::uint8_t> bytes = drive(now);
   if (now - last_status_ >= status_period) {
     last_status_ = now;
-    bytes.insert(bytes.begin(), grbl::status_request().front());
+    bytes.insert(bytes.begin(), grbl::status_request);
   }
   return bytes;
 }
@@ -136,13 +134,13 @@ std::vector<std::uint8_t> GrblDriver::set_up(HostTime now) {
   last_asked_ = now;
   switch (setup_) {
     case Setup::reset:
-      return grbl::soft_reset();
+      return {grbl::soft_reset};
     case Setup::settings:
       return grbl::settings_request();
     case Setup::unlock:
       return grbl::unlock();
     case Setup::position:
-      return grbl::status_request();
+      return {grbl::status_request};
     case Setup::done:
       break;
   }
@@ -163,7 +161,8 @@ std::vector<std::uint8_t> GrblDriver::drive(HostTime now) {
   }
   if (awaits_ok_ || cancelling_ || !servo_now_) return {};
   if (power_due_) {
-    power_sent_ = awaits_ok_ = true;
+    power_sent_ = power_due_;
+    awaits_ok_ = true;
     last_line_ = now;
     return grbl::power_note(*power_due_);
   }
@@ -250,7 +249,10 @@ void GrblDriver::take_line(const std::string& line, std::uint8_t error, HostTime
                 "protocols/grbl.md");
   awaits_ok_ = false;
   last_ack_ = arrived;
-  if (std::exchange(power_sent_, false)) armed_ = *std::exchange(power_due_, {});
+  if (const auto noted = std::exchange(power_sent_, {})) {
+    armed_ = *noted;
+    if (power_due_ == noted) power_due_.reset();
+  }
   if (setup_ == Setup::settings) {
     check_settings();
     greeting_->limit_rate_dps = max_rate_dps_;

@@ -34,10 +34,6 @@ std::vector<std::uint8_t> jog_line(const Jog& jog) {
 }
 
 std::optional<Jog> parse_jog(std::string_view line) {
-  // A real-time byte may stand in front: it belongs to no line.
-  const std::size_t begin = line.find('$');
-  if (begin == line.npos) return std::nullopt;
-  line.remove_prefix(begin);
   const auto way_deg = take_number<double>(line, "$J=G91X");
   const auto feed = way_deg ? take_number<double>(line, "F") : std::nullopt;
   const auto leg = feed ? take_number<std::uint16_t>(line, "(leg ") : std::nullopt;
@@ -51,20 +47,8 @@ std::vector<std::uint8_t> power_note(bool is_armed) {
 }
 
 std::optional<bool> parse_power_note(std::string_view line) {
-  if (line.ends_with("(armed)")) return true;
-  return line.ends_with("(disarmed)") ? std::optional(false) : std::nullopt;
-}
-
-std::vector<std::uint8_t> status_request() {
-  return {'?'};
-}
-
-std::vector<std::uint8_t> jog_cancel() {
-  return {0x85};
-}
-
-std::vector<std::uint8_t> soft_reset() {
-  return {0x18};
+  if (line == "(armed)") return true;
+  return line == "(disarmed)" ? std::optional(false) : std::nullopt;
 }
 
 std::vector<std::uint8_t> settings_request() {

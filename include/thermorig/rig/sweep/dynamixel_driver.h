@@ -88,7 +88,6 @@ class DynamixelDriver final : public ServoDriver {
   std::optional<TimedServo> servo_now_;
   std::optional<Course> course_;
   bool armed_ = false, stopping_ = false, stop_due_ = false, was_reset_ = false, gave_up_ = false;
-  bool looks_why_off_ = false;
   std::optional<std::uint8_t> refusal_;
   HostTime now_{};
   HostTime armed_at_{};

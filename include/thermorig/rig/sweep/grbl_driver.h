@@ -13,7 +13,7 @@
 namespace thermorig::rig {
 
 /// Drives a stepper behind GRBL 1.1 by short jogs, of which as few wait as keep it turning: GRBL has no
-/// watchdog, so what it was told is all that it turns when the host dies.
+/// watchdog, so the jogs that it has are all that it turns when the host dies.
 class GrblDriver final : public ServoDriver {
  public:
   explicit GrblDriver(const ServoProfile& servo);
@@ -82,8 +82,8 @@ class GrblDriver final : public ServoDriver {
   std::optional<Course> course_, next_;  // `next_` waits for rest
   double queued_deg_ = 0.0;              // where the jogs end that were sent
   bool cancel_due_ = false, cancelling_ = false;
-  std::optional<bool> power_due_;  // armed or not, which is noted at rest
-  bool power_sent_ = false;
+  std::optional<bool> power_due_;   // armed or not, which is noted at rest
+  std::optional<bool> power_sent_;  // of them, until it is acknowledged
   HostTime cancelled_{};
   HostTime last_status_{};
   bool armed_ = false, gave_up_ = false;

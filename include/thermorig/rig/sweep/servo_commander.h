@@ -47,7 +47,7 @@ class ServoCommander final : public ServoDriver {
   /// the firmware refuses for its values.
   void answer(const wire::ServoMessage& message, HostTime arrived) override;
 
-  /// Tells too whether the link is behind a latency timer, which lengthens the pings' delay.
+  /// Its time also shows whether the link is behind a latency timer, which lengthens the pings' delay.
   std::optional<HostDuration> pong(const TimedPong& pong) override;
 
   bool idle() const override { return queue_.empty(); }

@@ -15,7 +15,7 @@ namespace thermorig::rig {
 
 /// Drives a servo by its protocol. Pure: the caller brings the time, carries the bytes and feeds the answers.
 /// Whatever the protocol, a servo whose host falls silent comes to rest by itself within half a second, or at
-/// the end of the leg that it was told.
+/// the end of its leg.
 class ServoDriver {
  public:
   virtual ~ServoDriver() = default;
@@ -57,7 +57,7 @@ class ServoDriver {
   virtual HostTime last_ack() const = 0;
   virtual const std::optional<wire::ServoWelcome>& welcome() const = 0;
   virtual std::uint64_t retries() const = 0;
-  virtual std::uint64_t pings() const { return 0; }  // sent, of those that pong() tells the answers of
+  virtual std::uint64_t pings() const { return 0; }  // sent, whose answers pong() takes
 
   bool greeted() const { return welcome().has_value(); }
 

@@ -65,11 +65,11 @@ std::vector<std::uint8_t> ping(std::uint8_t id);
 std::vector<std::uint8_t> read(std::uint8_t id, std::uint16_t address, std::uint16_t bytes);
 std::vector<std::uint8_t> write(std::uint8_t id, std::uint16_t address, Bytes data);
 
-/// A note for whoever reads what was sent: from the next read on the servo drives this leg. To the servos it
+/// A note for readers of what was sent: from the next read on the servo drives this leg. To the servos it
 /// is a ping to somebody who is not there.
 std::vector<std::uint8_t> note(std::uint16_t leg);
 
-/// Bytes of the packet that `rest` begins with; 0: more are needed to tell; none: no packet begins here.
+/// Bytes of the packet that `rest` begins with; 0: more bytes are needed; none: no packet begins here.
 std::optional<std::size_t> packet_size(Bytes rest);
 
 struct Packet {

@@ -30,10 +30,13 @@ std::vector<std::uint8_t> jog_line(const Jog& jog);
 /// Of such a line without its ending. None: it is none.
 std::optional<Jog> parse_jog(std::string_view line);
 
-/// Real-time bytes, which it obeys at once, whatever else it reads.
-std::vector<std::uint8_t> status_request();  // asks for one report
-std::vector<std::uint8_t> jog_cancel();      // ramps down, and forgets the jogs that wait
-std::vector<std::uint8_t> soft_reset();
+/// Real-time bytes, which it obeys at once, whatever else it reads: they belong to no line.
+inline constexpr std::uint8_t status_request = '?';  // asks for one report
+inline constexpr std::uint8_t jog_cancel = 0x85;     // ramps down, and forgets the jogs that wait
+inline constexpr std::uint8_t soft_reset = 0x18;
+constexpr bool is_real_time(std::uint8_t byte) {
+  return byte == status_request || byte == jog_cancel || byte == soft_reset;
+}
 
 /// A line that is all note: whether the sweep holds the shaft from here on. GRBL itself has no such state.
 std::vector<std::uint8_t> power_note(bool is_armed);
