@@ -179,13 +179,12 @@ nlohmann::json encoder_json(const EncoderProfile& encoder) {
           {"once_sine_deg", encoder.once_sine_deg},
           {"twice_cosine_deg", encoder.twice_cosine_deg},
           {"twice_sine_deg", encoder.twice_sine_deg},
-          {"error_deg", encoder.error_deg},
-          {"measured_utc", text_json(encoder.measured_utc)}};
+          {"error_deg", encoder.error_deg}};
 }
 
 nlohmann::json object_of(const EncoderResult& result, const RigProfile& before) {
   nlohmann::json object{{"result", encoder_json(result.encoder)}, {"before", encoder_json(before.encoder)}};
-  object["result"].erase("measured_utc");
+  object["before"]["measured_utc"] = text_json(before.encoder.measured_utc);
   object["result"]["sensor"] = result.sensor;
   object["result"]["once_deg"] = result.once_deg;
   object["result"]["twice_deg"] = result.twice_deg;

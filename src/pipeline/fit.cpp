@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "images_share.h"
 #include "message_spans.h"
 #include "ping_exchanges.h"
+#include "servo_decoder.h"
 #include "thermorig/core/bad_pixels.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/labels/encoder_fit.h"
@@ -40,19 +40,16 @@ void put_times(const std::vector<TimeEstimate>& times, std::vector<Message>& mes
 }
 
 /// Readings of the shaft share the clock of the telemetry around them.
-void put_shaft_times(const std::vector<TimedServo>& servo, std::vector<TimedShaft>& shaft) {
+void put_shaft_times(const std::vector<TimedServo>& servo, const EncoderProfile& encoder,
+                     std::vector<TimedShaft>& shaft) {
   std::size_t next = 0;
   for (TimedShaft& reading : shaft) {
     while (next < servo.size() && servo[next].span.begin < reading.span.begin) ++next;
     if (next == 0) continue;
     const TimedServo& before = servo[next - 1];
-    double share = 1.0;
-    if (next < servo.size() && servo[next].mcu_time_us > before.mcu_time_us)
-      share = to_s(servo[next].stamp.time - before.stamp.time) /
-              (static_cast<double>(servo[next].mcu_time_us - before.mcu_time_us) * 1e-6);
-    if (!(std::abs(share - 1.0) < 0.03)) share = 1.0;  // a reset or an absence lies between them
-    const auto since_s = static_cast<double>(reading.mcu_time_us - before.mcu_time_us) * 1e-6;
-    reading.stamp.time = before.stamp.time + from_s(since_s * share);
+    const double s_per_us = next < servo.size() ? host_s_per_us(before, servo[next]) : 1e-6;
+    const auto since_us = static_cast<double>(reading.mcu_time_us - before.mcu_time_us);
+    reading.stamp.time = before.stamp.time + from_s(since_us * s_per_us - encoder.latency_s);
   }
 }
 
@@ -141,7 +138,7 @@ PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const 
   put_times(clocks[Device::camera].times, streams.frames);
   put_times(clocks[Device::gyro].times, streams.gyro);
   put_times(clocks[Device::servo].times, streams.servo);
-  put_shaft_times(streams.servo, streams.shaft);
+  put_shaft_times(streams.servo, profile.encoder, streams.shaft);
   return clocks;
 }
 

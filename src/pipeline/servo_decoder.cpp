@@ -16,15 +16,6 @@ const sensors::ServoProtocol& protocol_of(const ServoProfile& profile) {
   return sensors::servo_protocol(profile.protocol);
 }
 
-/// How fast the host's clock runs by two messages of telemetry, one after the other. Where a reset or an
-/// absence lies between them, as fast as it should.
-double host_s_per_us(const TimedServo& before, const TimedServo& now) {
-  constexpr double most_off = 0.03;
-  const auto us = static_cast<double>(now.mcu_time_us - before.mcu_time_us);
-  const double share = us > 0.0 ? to_s(now.stamp.time - before.stamp.time) / (us * 1e-6) : 0.0;
-  return std::abs(share - 1.0) < most_off ? share * 1e-6 : 1e-6;
-}
-
 /// Readings may lie a little before the telemetry that came before them; the clock may have wrapped.
 std::int64_t since_telemetry_us(const TimedServo& telemetry, std::uint32_t mcu_us,
                                 const ClockProperties& clock) {
@@ -35,6 +26,13 @@ std::int64_t since_telemetry_us(const TimedServo& telemetry, std::uint32_t mcu_u
 }
 
 }  // namespace
+
+double host_s_per_us(const TimedServo& before, const TimedServo& now) {
+  constexpr double most_off = 0.03;
+  const auto us = static_cast<double>(now.mcu_time_us - before.mcu_time_us);
+  const double share = us > 0.0 ? to_s(now.stamp.time - before.stamp.time) / (us * 1e-6) : 0.0;
+  return std::abs(share - 1.0) < most_off ? share * 1e-6 : 1e-6;
+}
 
 ServoDecoder::ServoDecoder(const ServoProfile& profile, const EncoderProfile& encoder, const Fits& fits)
     : link_(profile.link),
@@ -75,7 +73,7 @@ void ServoDecoder::interrupt(Streams& out) {
   timing_.restart();
   mcu_time_.restart();
   clock_ = timing::PingClock(link_);
-  epochs_told_ = 1;
+  epochs_passed_on_ = 1;
   was_away_ = was_away_ || telemetry_.has_value();
   telemetry_.reset();
   turns_.restart();
@@ -86,7 +84,8 @@ ServoDecoder::Decoded ServoDecoder::take(Streams& out) {
   for (wire::ServoMessage& message : messages_) sort(std::move(message), out);
   messages_.clear();
   const auto& epochs = clock_.epochs();
-  for (; epochs_told_ < epochs.size(); ++epochs_told_) out.servo_epochs.push_back(epochs[epochs_told_]);
+  for (; epochs_passed_on_ < epochs.size(); ++epochs_passed_on_)
+    out.servo_epochs.push_back(epochs[epochs_passed_on_]);
   return {std::span(out.servo).subspan(first), std::span(out.shaft).subspan(first_reading)};
 }
 
@@ -96,7 +95,7 @@ void ServoDecoder::sort(wire::ServoMessage&& message, Streams& out) {
   else if (const auto* pong = std::get_if<wire::ServoPong>(&message.body))
     out.pongs.push_back(timed(message, *pong));
   else if (const auto* reading = std::get_if<ShaftReading>(&message.body)) {
-    if (telemetry_) out.shaft.push_back(timed(message, *reading));  // before it nothing tells its time
+    if (telemetry_) out.shaft.push_back(timed(message, *reading));  // before it, its time is not known
   } else
     out.servo_answers.push_back(std::move(message));
 }

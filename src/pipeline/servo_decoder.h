@@ -20,6 +20,10 @@
 
 namespace thermorig::pipeline {
 
+/// Seconds of the host's clock for each microsecond of the servo's, by two messages of telemetry, one after
+/// the other. Where a reset or an absence lies between them, as many as there should be.
+double host_s_per_us(const TimedServo& before, const TimedServo& now);
+
 /// Servo bytes to telemetry with its time, pongs, and the answers that the rig's servo link waits for.
 class ServoDecoder {
  public:
@@ -68,7 +72,7 @@ class ServoDecoder {
   PingLedger pings_;
   timing::PingClock clock_;
   bool is_causal_;                       // without final times: the clock is learnt on the way
-  std::size_t epochs_told_ = 1;          // the first is no event
+  std::size_t epochs_passed_on_ = 1;     // the first is no event
   std::optional<TimedServo> telemetry_;  // the newest
   double host_s_per_us_ = 1e-6;          // of the servo's clock, by the newest two
   HostDuration encoder_latency_;

@@ -46,14 +46,14 @@ def row(camera, cases):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("program")
-    parser.add_argument("--json", action="store_true")
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--first-seed", type=int, default=1)
-    parser.add_argument("--world", default="typical")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser = argparse.ArgumentParser(prog="raw_camera.sh")
+    parser.add_argument("program", help=argparse.SUPPRESS)
+    parser.add_argument("--json", action="store_true", help="a JSON list, an object a kind of camera")
+    parser.add_argument("--quick", action="store_true", help="2 seeds")
+    parser.add_argument("--seeds", type=int, default=10, metavar="N", help="of each kind of camera (default 10)")
+    parser.add_argument("--first-seed", type=int, default=1, metavar="N", help="seeds from N on (default 1)")
+    parser.add_argument("--world", default="typical", metavar="NAME", help="of docs/worlds.md (default typical)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="sessions at a time")
     options = parser.parse_args()
     seeds = range(options.first_seed, options.first_seed + (2 if options.quick else options.seeds))
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
@@ -61,7 +61,8 @@ def main():
                  for camera in CAMERAS}
         rows = [row(camera, [case.result() for case in of_camera]) for camera, of_camera in cases.items()]
     if options.json:
-        return print(json.dumps(rows))
+        print(json.dumps(rows))
+        return
     print(f"world {options.world}, {len(seeds)} seeds; labels against the shaft's true speed, times against the exposure\n")
     print(f"{'camera':28} {'sessions':>8} {'valid':>6} {'label RMS':>10} {'stated':>7} {'time error':>16} {'outside':>8} "
           f"{'bounds':>8}")
@@ -71,7 +72,7 @@ def main():
         print(f"{CAMERAS[each['camera']]:28} {each['sessions']:>8} {100 * each['valid_share']:>5.1f}% "
               f"{each['label_rms_dps']:>6.3f} d/s {each['stated_rms_dps']:>7.3f} {error['median']:>5.2f}, {error['95 %']:>5.2f} ms "
               f"{100 * each['outside_share']:>7.2f}% {width:>5.2f} ms")
-    return None
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -138,5 +138,16 @@ TEST(CombinedCalibrations, RefuseOrientationsThatContradict) {
   EXPECT_THROW(combined(results), Error);
 }
 
+TEST(CombinedCalibrations, AnEncodersErrorsAreMeansOfVectorsAndAsSureAsTheyAgree) {
+  EncoderResult first{.encoder = {.once_cosine_deg = 1.0, .error_deg = 0.1}, .legs = 12};
+  EncoderResult second{.encoder = {.once_sine_deg = 1.0, .error_deg = 0.1}, .legs = 10};
+  const EncoderResult all = combined(std::array{first, second});
+  EXPECT_NEAR(all.once_deg, std::sqrt(0.5), 1e-9);
+  EXPECT_NEAR(all.encoder.error_deg, 0.5, 1e-9);  // they differ by far more than they state
+  EXPECT_EQ(all.legs, 22U);
+  second.encoder.sign = -1;
+  EXPECT_THROW(combined(std::array{first, second}), Error);
+}
+
 }  // namespace
 }  // namespace thermorig::calibration

@@ -16,6 +16,36 @@ std::vector<std::uint32_t> runs(const std::vector<LabelledSample>& samples) {
   return result;
 }
 
+/// A frame of a live run at 100 deg/s, where nothing is known yet of the sensor but what it says; the gyro's
+/// bias is, by a rest or a calibration.
+LabelledSample measured_live(double measured_dps) {
+  ScriptedRig rig;
+  rig.gyro_dps = [](double) { return 100.0; };
+  rig.measured_deg = [=](double t) { return measured_dps * t; };
+  RigProfile profile;
+  profile.encoder.measured_utc = "2026-07-25T14:35:12Z";
+  profile.encoder.error_deg = 0.02;
+  profile.servo = rig.config.servo;
+  profile.gyro.bias_uncertainty_dps = 0.5;
+  rig.config = label_config(profile, {});
+  return rig.run(4.0).at(20);
+}
+
+TEST(MeasuredLive, ASensorThatFollowsTheShaftIsBelieved) {
+  const LabelledSample sample = measured_live(100.0);
+  EXPECT_TRUE(sample.valid) << sample.reason_bits;
+  EXPECT_NEAR(sample.rate_measured_dps, 100.0F, 0.01F);
+  EXPECT_EQ(sample.rate_shaft_dps, sample.rate_measured_dps);
+}
+
+TEST(MeasuredLive, WhereAMagnetSlipsTheGyroMakesTheFrameInvalid) {
+  for (const double measured_dps : {0.0, 90.0, -100.0}) {
+    const LabelledSample sample = measured_live(measured_dps);
+    EXPECT_TRUE(has(sample, Reason::gyro_disagrees)) << measured_dps;
+    EXPECT_FALSE(sample.valid) << measured_dps;
+  }
+}
+
 TEST(Runs, AreBrokenByAnInvalidFrame) {
   ScriptedRig rig;
   rig.spoil = [](TimedFrame& frame, int index) { frame.stale = index == 6; };

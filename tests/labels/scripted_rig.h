@@ -29,6 +29,7 @@ struct ScriptedRig {
   std::function<int(double)> leg = [](double) { return 1; };
   std::function<ServoMotion(double)> motion = [](double) { return ServoMotion::steady; };
   std::function<ServoFault(double)> fault = [](double) { return ServoFault::none; };
+  std::function<double(double)> measured_deg;  // by a sensor on the shaft; none: nothing measures it
   std::function<double(double)> gyro_dps = [](double) { return 101.5; };
   std::function<bool(double)> telemetry_comes = [](double) { return true; };
   std::function<bool(double)> gyro_comes = [](double) { return true; };
@@ -69,6 +70,13 @@ struct ScriptedRig {
     servo.state.fault = fault(t);
     return servo;
   }
+  TimedShaft shaft_at(double t) const {
+    TimedShaft shaft;
+    shaft.stamp = {.time = at_s(t), .arrival = at_s(t)};
+    shaft.reading.uncertainty_deg = 0.05F;
+    shaft.angle_deg = measured_deg(t);
+    return shaft;
+  }
   TimedGyro gyro_at(double t) const {
     TimedGyro gyro;
     gyro.stamp = {.time = at_s(t), .arrival = at_s(t)};
@@ -105,6 +113,7 @@ struct ScriptedRig {
       const double t = std::min({servo_t, gyro_t, frame_t()});
       if (t == servo_t) {
         if (telemetry_comes(t)) labeller.add(servo_at(t));
+        if (measured_deg) labeller.add(shaft_at(t));
         servo_t += telemetry_s;
       } else if (t == gyro_t) {
         if (gyro_comes(t)) labeller.add(gyro_at(t));

@@ -51,41 +51,41 @@ Room another_day() {
   return room;
 }
 
-struct Told {
+struct Answer {
   Report report;
   MapUse use = MapUse::none;
   double off_deg = 0.0;  // against the origin of the map before
 };
 
-std::vector<Told> told_of(const Room& room, Odometer& odometer) {
-  std::vector<Told> all;
+std::vector<Answer> answers_in(const Room& room, Odometer& odometer) {
+  std::vector<Answer> all;
   for (const Seen& seen : seen_in(room)) {
-    Told told{odometer.add(seen.frame, seen.gyro), odometer.map_use()};
+    Answer answer{odometer.add(seen.frame, seen.gyro), odometer.map_use()};
     const double shaft_deg = room.angle_deg(to_s(seen.frame.exposure_end - at_s(0.0)));
-    told.off_deg = std::remainder(told.report.heading_deg - shaft_deg - before().origin_deg, 360.0);
-    all.push_back(told);
+    answer.off_deg = std::remainder(answer.report.heading_deg - shaft_deg - before().origin_deg, 360.0);
+    all.push_back(answer);
   }
   return all;
 }
 
-bool is_tracking(const Told& told) {
-  return told.report.state == EstimateState::good;
+bool is_tracking(const Answer& answer) {
+  return answer.report.state == EstimateState::good;
 }
 
 TEST(OdometerMap, ASecondSessionInTheSameRoomStartsWithAnAbsoluteHeading) {
   Odometer odometer = begun_with(before().map);
-  const auto all = told_of(another_day(), odometer);
+  const auto all = answers_in(another_day(), odometer);
   const auto first = std::find_if(all.begin(), all.end(), is_tracking);
   ASSERT_NE(first, all.end());
   EXPECT_LT(first - all.begin(), 240) << "frames: 30 s";
-  std::for_each(all.begin(), first, [](const Told& told) {
-    if (told.report.reason == EstimateReason::none) {
-      EXPECT_EQ(told.report.state, EstimateState::relocalising);
+  std::for_each(all.begin(), first, [](const Answer& answer) {
+    if (answer.report.reason == EstimateReason::none) {
+      EXPECT_EQ(answer.report.state, EstimateState::relocalising);
     }
   });
-  std::for_each(first, all.end(), [](const Told& told) {
-    EXPECT_EQ(told.use, MapUse::found);
-    EXPECT_NEAR(told.off_deg, 0.0, 2.0);
+  std::for_each(first, all.end(), [](const Answer& answer) {
+    EXPECT_EQ(answer.use, MapUse::found);
+    EXPECT_NEAR(answer.off_deg, 0.0, 2.0);
   });
   EXPECT_NEAR(all.back().off_deg, 0.0, 0.7);
 }
@@ -107,7 +107,7 @@ TEST(OdometerMap, IsRecognisedBySweepsThatAreSlowAllAlong) {
     return 15.0 * (in_sweep_s < 16.0 ? in_sweep_s : std::min(16.0, 36.0 - in_sweep_s));
   };
   Odometer odometer = begun_with(before().map);
-  const auto all = told_of(room, odometer);
+  const auto all = answers_in(room, odometer);
   EXPECT_EQ(all.back().use, MapUse::found);
   EXPECT_NEAR(all.back().off_deg, 0.0, 2.0);
 }
@@ -118,12 +118,12 @@ TEST(OdometerMap, IsRecognisedThroughALensThatNobodyMeasured) {
   room.wider = 0.02;
   room.angle_deg = angle_of_legs_deg;
   Odometer first = begun_with(nullptr);
-  told_of(room, first);
+  answers_in(room, first);
   ASSERT_TRUE(first.map());
   room.noise = 12;
   room.bias_dps = -2.0;
   Odometer second = begun_with(std::make_shared<const Map>(first.map().value()));
-  const auto all = told_of(room, second);
+  const auto all = answers_in(room, second);
   const auto found = std::find_if(all.begin(), all.end(), is_tracking);
   ASSERT_NE(found, all.end());
   EXPECT_LT(found - all.begin(), 160) << "frames: 20 s";
@@ -134,9 +134,9 @@ TEST(OdometerMap, AMapOfAnotherRoomIsNotTrustedAndANewOneIsBegun) {
   Room room = turning_room(120.0);
   room.walls = 8;
   Odometer odometer = begun_with(before().map);
-  const auto all = told_of(room, odometer);
+  const auto all = answers_in(room, odometer);
   EXPECT_TRUE(
-      std::none_of(all.begin(), all.end(), [](const Told& told) { return told.use == MapUse::found; }));
+      std::none_of(all.begin(), all.end(), [](const Answer& answer) { return answer.use == MapUse::found; }));
   EXPECT_EQ(all[240].report.state, EstimateState::relocalising);
   EXPECT_EQ(all.back().use, MapUse::other);
   EXPECT_EQ(all.back().report.state, EstimateState::good) << "in its own map";
@@ -209,7 +209,7 @@ TEST(OdometerMap, AtOneSpeedItWaitsForAnother) {
   room.duration_s = 75.0;
   room.angle_deg = [](double time_s) { return 60.0 * std::min(time_s, 120.0 - time_s); };
   Odometer odometer = begun_with(before().map);
-  const auto all = told_of(room, odometer);
+  const auto all = answers_in(room, odometer);
   constexpr std::size_t turns_back = 470;  // frames: 59 s
   EXPECT_EQ(all[turns_back].report.state, EstimateState::relocalising);
   EXPECT_EQ(all[turns_back].use, MapUse::searching) << "nor is it given up";
@@ -222,7 +222,7 @@ TEST(OdometerMap, AtRestItWaitsForAnotherView) {
   room.duration_s = 70.0;
   room.angle_deg = [](double) { return 130.0; };
   Odometer odometer = begun_with(before().map);
-  EXPECT_EQ(told_of(room, odometer).back().report.state, EstimateState::relocalising);
+  EXPECT_EQ(answers_in(room, odometer).back().report.state, EstimateState::relocalising);
   EXPECT_EQ(odometer.map_use(), MapUse::searching);
   EXPECT_FALSE(odometer.map()) << "what is in doubt is not kept";
 }
@@ -236,9 +236,9 @@ TEST(OdometerMap, ThereIsNoneBeforeItTracks) {
 
 TEST(OdometerMap, GoesOnBeingTheSameMapFromSessionToSession) {
   Odometer second = begun_with(before().map);
-  told_of(another_day(), second);
+  answers_in(another_day(), second);
   Odometer third = begun_with(std::make_shared<const Map>(second.map().value()));
-  EXPECT_NEAR(told_of(another_day(), third).back().off_deg, 0.0, 1.0);
+  EXPECT_NEAR(answers_in(another_day(), third).back().off_deg, 0.0, 1.0);
 }
 
 TEST(OdometerMap, BeginningWithItAllocatesNothingAfterwards) {

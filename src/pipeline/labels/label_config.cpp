@@ -31,7 +31,7 @@ LabelConfig label_config(const RigProfile& profile, const std::optional<SyncRepo
   config.servo = profile.servo;
   config.gyro_profile = profile.gyro;
   config.latency_uncertainty_s = time_uncertainty_s(profile, sync);
-  // Live, nothing has held it against gyro and command yet.
+  // Live nothing has judged the sensor yet: the gyro judges each frame by itself.
   config.by_sensor = sync ? sync->shaft.used : !profile.encoder.measured_utc.empty();
   config.sensor_error_deg = sync ? sync->shaft.error_deg : profile.encoder.error_deg;
   config.sensor_latency_uncertainty_s = profile.encoder.latency_uncertainty_s;

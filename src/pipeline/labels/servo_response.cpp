@@ -108,7 +108,7 @@ class FittedShaft {
     return response;
   }
 
-  std::span<const TimedServo> left_;  // that the track has not been told
+  std::span<const TimedServo> left_;  // not in the track yet
   HostTime origin_;
   ShaftTrack track_;
 };

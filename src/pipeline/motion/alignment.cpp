@@ -181,8 +181,8 @@ double Alignment::middle_row() const {
     const double speed = views_[k].half.rate_dps * views_[k].half.rate_dps;
     for (std::size_t i = 0; i < half_pixels; ++i) {
       if (comparison.weight[i] == 0.0F) continue;
-      const float steepness = comparison.weight[i] * comparison.slope[i] * comparison.slope[i];
-      const double weight = speed * static_cast<double>(steepness);
+      const float curvature = comparison.weight[i] * comparison.slope[i] * comparison.slope[i];
+      const double weight = speed * static_cast<double>(curvature);
       weights += weight;
       rows += weight * static_cast<double>(row_of(i / half_rows, i % half_rows, views_[k].half.parity));
     }
@@ -216,31 +216,31 @@ Alignment::Comparison Alignment::compare(std::size_t index) const {
 }
 
 void Alignment::add_view(const Comparison& comparison, std::size_t index, Totals& totals) {
-  ColumnPixels weights = ColumnPixels::Zero(), squares = weights, steepness = weights, lean = weights;
+  ColumnPixels weights = ColumnPixels::Zero(), squares = weights, curvature = weights, gradient = weights;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     const ColumnPixels weight = column_of(comparison.weight, column);
     const ColumnPixels residual = column_of(comparison.residual, column);
     const ColumnPixels slope = column_of(comparison.slope, column);
     weights += weight;
     squares += weight * residual.square();
-    steepness += weight * slope.square();
-    lean += weight * residual * slope;
+    curvature += weight * slope.square();
+    gradient += weight * residual * slope;
   }
   const auto square = static_cast<double>(squares.sum());
   const auto weight = static_cast<double>(least_weight + weights.sum());
   misfit_[index] = square / weight;
   totals.square_sum += square;
   totals.weight_sum += weight;
-  totals.lean[index] = static_cast<double>(lean.sum());
+  totals.view_gradient[index] = static_cast<double>(gradient.sum());
   const Parameters& change = totals.change[index] = angles_.change(index, parameters_);
-  totals.curvature += static_cast<double>(steepness.sum()) * change * change.transpose();
-  totals.gradient += change * totals.lean[index];
+  totals.curvature += static_cast<double>(curvature.sum()) * change * change.transpose();
+  totals.gradient += change * totals.view_gradient[index];
 }
 
 Alignment::Totals Alignment::compare_all() {
   Totals totals;
   totals.change.resize(views_.size());
-  totals.lean.resize(views_.size());
+  totals.view_gradient.resize(views_.size());
   for (auto& push : totals.push) push.resize(map_.size());
   for (std::size_t k = 0; k < views_.size(); ++k) {
     const Comparison comparison = compare(k);

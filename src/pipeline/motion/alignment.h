@@ -76,7 +76,7 @@ class Alignment {
     Parameters gradient = Parameters::Zero();
     Matrix curvature = Matrix::Zero();
     std::vector<Parameters> change;                        // of each view's angle with the parameters
-    std::vector<double> lean;                              // sum of slope times residual of each view
+    std::vector<double> view_gradient;                     // sum of slope times residual of each view
     std::array<PanoramaMap::Cells, parameter_count> push;  // of the panorama's cells by each parameter
     double square_sum = 0.0;                               // of weighted residuals
     double weight_sum = 0.0;

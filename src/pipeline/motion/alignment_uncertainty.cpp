@@ -17,7 +17,7 @@ constexpr float least_seen_weight = 1e-3F;
 
 /// How each view pulls at the parameters, the panorama's share taken out.
 Parameters Alignment::pull(const Comparison& comparison, std::size_t index, const Totals& totals) const {
-  Parameters pull = totals.change[index] * totals.lean[index];
+  Parameters pull = totals.change[index] * totals.view_gradient[index];
   for (std::size_t column = 0; column < frame_columns; ++column) {
     const auto [left, right, part] = PanoramaMap::between(places_[index], column);
     const ColumnPixels weighted =
@@ -63,8 +63,8 @@ Matrix Alignment::inverse(const Matrix& matrix) {
 /// Noise makes the panorama's slopes look steeper than the surroundings are, and the curvature with them:
 /// that share is taken out.
 void Alignment::judge(const Totals& totals) {
-  const double steepness = map_.slope_squared();
-  contrast_ = steepness > 0.0 ? std::max(0.0, 1.0 - map_.slope_noise(noise_variance_) / steepness) : 0.0;
+  const double squares = map_.slope_squared();
+  contrast_ = squares > 0.0 ? std::max(0.0, 1.0 - map_.slope_noise(noise_variance_) / squares) : 0.0;
   const double share = std::max(least_contrast, contrast_);
   const Matrix inverted = inverse(with_prior(totals.curvature * (share / noise_variance_)));
   const Matrix spread = with_prior(spread_of_pulls(totals) * (1.0 / (noise_variance_ * noise_variance_)));

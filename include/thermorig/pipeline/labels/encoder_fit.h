@@ -17,7 +17,7 @@ struct EncoderFit {
   EncoderProfile encoder;  // direction, offset, errors, and error_deg: what these may be off by
   double once_deg = 0.0;   // amplitudes of the errors
   double twice_deg = 0.0;
-  double turned_deg = 0.0;  // by which the shaft turned in the legs that took part
+  double turned_deg = 0.0;  // that the shaft turned in the legs that took part
   std::size_t legs = 0;
   Estimate gyro_share{};   // of the corrected gyro: deg that it shows for each deg of the shaft
   double noise_deg = 0.0;  // of a reading, from one to the next

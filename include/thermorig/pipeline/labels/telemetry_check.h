@@ -10,7 +10,7 @@
 
 namespace thermorig::labels {
 
-/// Whether the micro-controller does what it says. Telemetry that tells of pulses is due every 10 ms of its
+/// Whether the micro-controller does what it says. Telemetry that reports pulses is due every 10 ms of its
 /// clock, exactly; and a pulse shows what was commanded at most one pulse period and one step of the motion
 /// law before it (protocols/servo_link.md, "Motion").
 class TelemetryCheck {
