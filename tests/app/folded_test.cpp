@@ -15,6 +15,7 @@ TEST(Folded, GoesOnBelowWhatStandsBehindTheLabel) {
             "verdict  good; the gyro\n         hides its bias\n");
   EXPECT_EQ(folded("  try: one thing, or another", 18), "  try: one thing,\n       or another");
   EXPECT_EQ(folded("no label here at all", 12), "no label\n  here at\n  all");
+  EXPECT_EQ(folded("no label   ", 9), "no label") << "blanks at the end make no line";
 }
 
 TEST(Folded, LeavesWhatFits) {
