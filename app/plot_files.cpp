@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <optional>
 #include <string>
 
@@ -68,7 +69,8 @@ bool convert(const fs::path& svg) {
 
 }  // namespace
 
-void require_no_plots(const fs::path& folder) {
+void require_plots_possible(const fs::path& folder) {
+  report::require_charts();
   std::error_code failure;
   const bool is_there = fs::exists(folder, failure);
   if (!is_there || (fs::is_directory(folder, failure) && fs::is_empty(folder, failure))) return;
@@ -77,7 +79,7 @@ void require_no_plots(const fs::path& folder) {
 }
 
 void write_plots(const fs::path& folder, const std::vector<report::PlotFile>& files) {
-  require_no_plots(folder);
+  require_plots_possible(folder);
   std::error_code failure;
   fs::create_directories(folder, failure);
   if (failure)

@@ -8,9 +8,10 @@
 
 namespace thermorig::app {
 
-/// Throws Error(storage) if there is anything in the folder that is to take plots: nothing is overwritten,
-/// and whoever asked for them learns it before anything long begins. The folder need not exist.
-void require_no_plots(const std::filesystem::path& folder);
+/// To be called before anything long begins. Throws Error(storage) if there is anything in the folder that is
+/// to take plots, as nothing is overwritten, and Error(failed) if this program draws no charts. The folder
+/// need not exist.
+void require_plots_possible(const std::filesystem::path& folder);
 
 /// Writes the files, and of each figure PDF and PNG, too, where rsvg-convert is installed; else it says so.
 /// Throws Error(storage) if a file cannot be written, Error(failed) if rsvg-convert fails.

@@ -52,7 +52,7 @@ void check_plots(const EvaluateOptions& options) {
     throw Error(ExitCode::bad_usage, std::string("--plots and ") + word + " do not go together", "",
                 options.live ? "--plots is for a model or a study"
                              : "when all parts are done: thermorig evaluate --draw study --plots plots");
-  require_no_plots(options.plots);
+  require_plots_possible(options.plots);
 }
 
 }  // namespace

@@ -135,9 +135,7 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
   evaluated.warnings = warnings_of(model, evaluated, acquisitions);
   if (!options.output.empty()) write_model_report(options.output, model, evaluated.evaluation);
   if (!options.plots.empty())
-    write_plots(options.plots,
-                report::evaluation_plots(model, evaluated.evaluation,
-                                         std::ranges::any_of(acquisitions, &Acquisition::simulated)));
+    write_plots(options.plots, report::evaluation_plots(model, evaluated.evaluation));
   if (options.json) {
     nlohmann::json object = model_json(model, evaluated);
     add_choice_to(object, data);

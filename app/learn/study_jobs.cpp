@@ -46,7 +46,7 @@ void print_state(const study::Job& job, bool done, bool json) {
                 {"job", study::description_of(job)},
                 {"state", state}});
   else
-    print("{}  {}\n", study::id_of(job), state);
+    write_to(stdout, fmt::format("{}  {}\n", study::id_of(job), state));  // for programs, too: never folded
 }
 
 }  // namespace

@@ -26,10 +26,8 @@ class PlainTrainOutput : public TrainOutput {
   void start(const TrainStart& start) override { print(start_text(start)); }
   void step(const TrainStanding&) override {}
   void epoch(const training::EpochReport& report, const TrainStanding& standing) override {
-    const std::string left = report.epoch < config_.epochs
-                                 ? "  " + duration_text(seconds_left(standing, config_)) + " left"
-                                 : std::string();
-    print(epoch_text(report, config_) + left + "\n");
+    print(epoch_text(report, config_,
+                     report.epoch < config_.epochs ? duration_text(seconds_left(standing, config_)) : ""));
   }
   void end(const TrainEnd& end) override { print(end_text(end)); }
 
@@ -53,7 +51,7 @@ class TerminalTrainOutput final : public PlainTrainOutput {
 
   void step(const TrainStanding& standing) override { print(drawn_over(standing_text(standing, config()))); }
   void epoch(const training::EpochReport& report, const TrainStanding&) override {
-    print(drawn_over("") + epoch_text(report, config()) + "\n");
+    print(drawn_over("") + epoch_text(report, config()));
   }
   void end(const TrainEnd& end) override { print(drawn_over("") + end_text(end)); }
 };

@@ -162,13 +162,16 @@ std::string start_text(const TrainStart& start) {
   return text;
 }
 
-std::string epoch_text(const training::EpochReport& report, const TrainingConfig& config) {
-  std::string text = fmt::format("epoch {:>{}} of {}  loss {:.4f}  training MSE {}", report.epoch,
+std::string epoch_text(const training::EpochReport& report, const TrainingConfig& config,
+                       const std::string& left) {
+  std::string text = fmt::format("epoch {:>{}} of {}  loss {:.4f}  RMSE {} deg/s", report.epoch,
                                  fmt::formatted_size("{}", config.epochs), config.epochs, report.loss,
-                                 error_text(report.training_mse, config));
-  if (config.choose_epoch) text += held_out_text(report, config);
+                                 rate_text(training::rmse_dps(report.training_mse, config)));
   if (config.shape.fusion) text += "  Kg " + gain_text(report.gain_mean);
-  if (config.choose_epoch && report.kept) text += "  lowest so far";
+  if (!left.empty()) text += "  " + left + " left";
+  text += "\n";
+  if (config.choose_epoch)
+    text += held_out_text(report, config) + (report.kept ? "  lowest so far" : "") + "\n";
   return text;
 }
 

@@ -26,8 +26,10 @@ WindowCounts count_windows(const TrainStart& start);
 /// Acquisitions and windows by environment, whether they are simulated, and the settings.
 std::string start_text(const TrainStart& start);
 
-/// One finished epoch.
-std::string epoch_text(const training::EpochReport& report, const training::TrainingConfig& config);
+/// One finished epoch: a line, and another for the held-out error. `left`: how long all others will take; ""
+/// for nothing.
+std::string epoch_text(const training::EpochReport& report, const training::TrainingConfig& config,
+                       const std::string& left = "");
 
 /// "epoch 12 of 40, 57 %, loss 0.0123, 2 min 3 s left".
 std::string standing_text(const TrainStanding& standing, const training::TrainingConfig& config);

@@ -42,15 +42,16 @@ void tell_without_token(const web::Server& page, std::FILE* stream) {
         whereabouts(page, shown_beside));
 }
 
-/// Whoever came by SSH has the browser elsewhere, and SSH_CONNECTION has the address that they came to.
+/// The browser of somebody who came by SSH is elsewhere; SSH_CONNECTION has the address that they came to.
+/// The command has a line of its own, which is not broken.
 void tell_tunnel(const web::Server& page, std::FILE* stream) {
   const char* connection = std::getenv("SSH_CONNECTION");
   if (connection == nullptr) return;
   std::istringstream words(connection);
   std::string word, address;
   for (int i = 0; i < 3 && words >> word; ++i) address = word;  // client's address and port, our address
-  print(stream, "note  for a browser on your own computer: ssh -L {0}:127.0.0.1:{0} {1}\n", page.port(),
-        printable(address));
+  print(stream, "note  for a browser on your own computer:\n      ssh -L {0}:127.0.0.1:{0} {1}\n",
+        page.port(), printable(address));
 }
 
 }  // namespace

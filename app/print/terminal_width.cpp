@@ -45,6 +45,10 @@ std::string folded_line(std::string_view line, std::size_t width) {
   std::size_t breakable = 0;  // columns, but for paths
   for (std::size_t at = 0; at < line.size();) {
     const std::size_t begin = std::min(line.find_first_not_of(' ', at), line.size());
+    if (begin == line.size()) {  // blanks at the end make no line
+      if (columns_of(current) + (begin - at) <= width) current += line.substr(at);
+      break;
+    }
     const std::size_t end = std::min(line.find(' ', begin), line.size());
     const std::string_view word = line.substr(at, end - at);  // with the blanks before it
     breakable += word.find('/') == std::string_view::npos ? columns_of(word) : begin - at;

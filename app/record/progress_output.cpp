@@ -154,8 +154,8 @@ class PlainOutput : public ProgressOutput {
     if (has_quota(progress.sweep)) text += ", " + speeds_text(progress.sweep);
     std::string devices;
     for (Device device : all_devices) {
-      const std::string told = progress.absent[device] ? "" : trouble_of(device, progress);
-      if (!told.empty()) devices += (devices.empty() ? "" : "; ") + told;
+      const std::string trouble = progress.absent[device] ? "" : trouble_of(device, progress);
+      if (!trouble.empty()) devices += (devices.empty() ? "" : "; ") + trouble;
     }
     return folded(text + (devices.empty() ? "" : "\n          " + devices));
   }

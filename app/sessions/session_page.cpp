@@ -112,7 +112,7 @@ ExitCode write_session_plots(const InspectOptions& options) {
   if (options.check || options.timing)
     throw Error(ExitCode::bad_usage, "--plots writes figures, and says nothing else of a session", "",
                 "leave out --check and --timing");
-  require_no_plots(options.plots);
+  require_plots_possible(options.plots);
   const std::vector<std::filesystem::path> sessions = session_files_at(options.paths);
   nlohmann::json list = nlohmann::json::array();
   for (const std::filesystem::path& path : sessions) {

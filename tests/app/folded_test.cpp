@@ -15,6 +15,8 @@ TEST(Folded, GoesOnBelowWhatStandsBehindTheLabel) {
             "verdict  good; the gyro\n         hides its bias\n");
   EXPECT_EQ(folded("  try: one thing, or another", 18), "  try: one thing,\n       or another");
   EXPECT_EQ(folded("no label here at all", 12), "no label\n  here at\n  all");
+  EXPECT_EQ(folded("no label is here  ", 9), "no label\n  is here") << "blanks at the end make no line";
+  EXPECT_EQ(folded("Which one? 1 to 3: ", 12), "Which one? 1\n  to 3: ") << "but stay before an answer";
 }
 
 TEST(Folded, LeavesWhatFits) {

@@ -58,7 +58,7 @@ TEST_F(Record, TakesACameraWhoseSketchSendsItsImagesAsAnyOther) {
   EXPECT_EQ(files(".h5").size(), 2U);
 }
 
-/// A stick sends each half-frame only when it is asked for one, a bus once it is told the rate.
+/// A stick sends each half-frame only when it is asked for one, a bus once it knows the rate.
 TEST_F(Record, TakesTheWordsOfARawCamera) {
   for (const std::string camera : {"raw", "i2c"}) {
     const Outcome outcome = run("record --simulated=3 --fast --world honest --simulated-camera " + camera +

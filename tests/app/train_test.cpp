@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <csignal>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include "program.h"
@@ -53,11 +54,14 @@ TEST_F(Train, MakesAModelAndSaysWhatItIsWorth) {
   const Outcome outcome = run(small + "--preset paper --auxiliary-thermal 0.5 --choose-epoch -o model.onnx");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   for (const char* part :
-       {"garden", "SIMULATED data", "fusion, Nf 2, Nr 3: 89,644 weights", "seed 1", "epoch 3 of 3",
-        "training MSE", "RMSE", "deg/s", "gyro alone", "gate Kg", "held-out", " + 0.5 x ",
-        " of the images = ", "lowest so far", "next  thermorig evaluate model.onnx"})
+       {"garden", "SIMULATED data", "fusion, Nf 2, Nr 3: 89,644 weights", "seed 1", "epoch 3 of 3", "  RMSE ",
+        "deg/s", "gyro alone", "gate Kg", "held-out", " + 0.5 x ", " of the images = ", "lowest so far",
+        "next  thermorig evaluate model.onnx"})
     EXPECT_THAT(outcome.out, HasSubstr(part));
   EXPECT_THAT(outcome.out, Not(HasSubstr("\x1b")));
+  std::istringstream lines(outcome.out);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("epoch ")) EXPECT_LE(line.size(), 80U) << line;
   EXPECT_GT(fs::file_size(at("model.onnx")), 89'644U * 4);
   for (const char* name : {"run.json", "metrics.ndjson", "checkpoint.bin", "model.onnx"})
     EXPECT_TRUE(fs::exists(at("model.run") / name)) << name;

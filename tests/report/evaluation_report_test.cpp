@@ -38,6 +38,17 @@ TEST(EvaluationReport, ShowsAllEstimatorsOfAFusedModel) {
   EXPECT_THAT(text, HasSubstr("0 % below 0.02, 0 % above 0.98: open."));
 }
 
+TEST(EvaluationReport, SaysWhatIsSimulatedOfModelAndSessions) {
+  study::Evaluation simulated, real;
+  simulated.simulated = true;
+  model::Model model = made_model(true);
+  EXPECT_THAT(report::evaluation_markdown(model, simulated), HasSubstr("and is tested on SIMULATED data"));
+  EXPECT_THAT(report::evaluation_markdown(model, real), Not(HasSubstr("tested on")));
+  model.provenance.simulated = false;
+  EXPECT_THAT(report::evaluation_markdown(model, simulated), HasSubstr("**The model is tested on SIMULATED"));
+  EXPECT_THAT(report::evaluation_markdown(model, real), Not(HasSubstr("SIMULATED")));
+}
+
 TEST(EvaluationReport, LeavesFusionAndGateOutOfAThermalOnlyModel) {
   const auto evaluation = made_result({.fusion = false}).evaluation;
   const std::string text = report::evaluation_markdown(made_model(false), evaluation);

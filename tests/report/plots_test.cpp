@@ -17,7 +17,7 @@ using ::testing::Key;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-const std::string hostile = "</svg><script>alert(1)</script> 5 % & $x_1$ {\\input} \"\xff";
+const std::string hostile = "[</svg><script>alert(1)</script> 5 % & $x_1$ {\\input} ~^# 3 \u00b0 \"\xff";
 
 std::map<std::string, std::string> files_of(std::vector<report::PlotFile> files) {
   std::map<std::string, std::string> by_name;
@@ -66,8 +66,10 @@ TEST_F(Plots, HoldNoMarkupOfNames) {
     EXPECT_EQ(text.find("</svg>"), text.rfind("</svg>")) << name;
   }
   EXPECT_THAT(files.at("table-drift.tex"),
-              HasSubstr("5 \\% \\& \\$x\\_1\\$ \\{\\textbackslash{}input\\} \""));
-  EXPECT_THAT(files.at("table-drift.csv"), HasSubstr("\"</svg>"));
+              AllOf(HasSubstr("\n{[}$<$/svg$>$$<$script"), Not(HasSubstr("\\\\\n[")),
+                    HasSubstr("5 \\% \\& \\$x\\_1\\$ \\{\\textbackslash{}input\\} "
+                              "\\textasciitilde{}\\^{}\\# 3 $^\\circ$ ''")));
+  EXPECT_THAT(files.at("table-drift.csv"), HasSubstr("\"[</svg>"));
 }
 
 }  // namespace

@@ -163,10 +163,18 @@ Section speeds_section(const Model& model, const Evaluation& evaluation) {
           speed_blocks(evaluation.speeds, model.scaling.label_scale_dps, estimators_of(model))};
 }
 
+/// Empty if all is real.
+std::string simulated_text(const Model& model, const Evaluation& evaluation) {
+  if (model.provenance.simulated && evaluation.simulated)
+    return "The model was trained on SIMULATED data, and is tested on SIMULATED data.";
+  if (model.provenance.simulated) return "The model was trained on SIMULATED data.";
+  return evaluation.simulated ? "The model is tested on SIMULATED data." : "";
+}
+
 Document document_of(const Model& model, const Evaluation& evaluation) {
   Document document;
   document.title = "A model on sessions";
-  if (model.provenance.simulated) document.banner = "The model was trained on SIMULATED data.";
+  document.banner = simulated_text(model, evaluation);
   document.sections = {errors_section(model, evaluation), speeds_section(model, evaluation)};
   if (evaluation.bounds) document.sections.push_back(bounds_section(model, *evaluation.bounds));
   if (evaluation.gain.windows() > 0) document.sections.push_back(gain_section(evaluation.gain));
@@ -186,8 +194,8 @@ std::string evaluation_html(const Model& model, const Evaluation& evaluation) {
   return html_of(document_of(model, evaluation));
 }
 
-std::vector<PlotFile> evaluation_plots(const Model& model, const Evaluation& evaluation, bool simulated) {
-  return plots_of(document_of(model, evaluation), simulated || model.provenance.simulated);
+std::vector<PlotFile> evaluation_plots(const Model& model, const Evaluation& evaluation) {
+  return plots_of(document_of(model, evaluation), !simulated_text(model, evaluation).empty());
 }
 
 std::string evaluation_json(const Model& model, const Evaluation& evaluation) {

@@ -32,10 +32,14 @@ void FigureDrawer::Closing::operator()(void* engine) const {
   duk_destroy_heap(static_cast<duk_context*>(engine));
 }
 
+void require_charts() {
+  if (draws_charts()) return;
+  throw Error(ExitCode::failed, "this program draws no charts: it was built without node", "",
+              "bash app/setup.sh page, then cmake --preset release && cmake --build build");
+}
+
 FigureDrawer::FigureDrawer() {
-  if (!draws_charts())
-    throw Error(ExitCode::failed, "this program draws no charts: it was built without node", "",
-                "bash app/setup.sh page, then cmake --preset release && cmake --build build");
+  require_charts();
   engine_.reset(duk_create_heap_default());
   if (engine_ == nullptr) throw std::bad_alloc();
   auto* const engine = static_cast<duk_context*>(engine_.get());

@@ -6,7 +6,6 @@
 #include "thermorig/learning/report/report.h"
 
 namespace thermorig::report {
-namespace {
 
 std::string escaped_html(const std::string& text) {
   std::string out;
@@ -31,6 +30,8 @@ std::string escaped_html(const std::string& text) {
     }
   return out;
 }
+
+namespace {
 
 /// JSON for a script element: no character in it can end the element or start a comment.
 std::string script_data(const nlohmann::json& data) {

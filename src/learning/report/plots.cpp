@@ -7,6 +7,7 @@
 #include <map>
 
 #include "figures.h"
+#include "html.h"
 #include "text.h"
 
 namespace thermorig::report {
@@ -14,7 +15,8 @@ namespace {
 
 constexpr const char* simulated_remark = "SIMULATED data";
 
-/// What means something else to LaTeX, or is not in every font of it.
+/// What means something else to LaTeX, or is not in every font of it. A row that begins with "[" or "*" would
+/// be an argument of the \\ before it.
 const std::map<std::string, std::string, std::less<>> latex_of{{"\\", "\\textbackslash{}"},
                                                                {"{", "\\{"},
                                                                {"}", "\\}"},
@@ -28,6 +30,13 @@ const std::map<std::string, std::string, std::less<>> latex_of{{"\\", "\\textbac
                                                                {"<", "$<$"},
                                                                {">", "$>$"},
                                                                {"|", "$|$"},
+                                                               {"[", "{[}"},
+                                                               {"*", "{*}"},
+                                                               {"\"", "''"},
+                                                               {"\u00b0", "$^\\circ$"},
+                                                               {"\u00b1", "$\\pm$"},
+                                                               {"\u00b5", "$\\mu$"},
+                                                               {"\u00d7", "$\\times$"},
                                                                {"\u00a0", "~"},
                                                                {"\u2212", "$-$"}};
 
@@ -69,7 +78,7 @@ std::string latex_groups(const Table& table) {
       rules += fmt::format("\\cmidrule(lr){{{}-{}}}", column, column + group.columns - 1);
     column += group.columns;
   }
-  return titles + " \\\\\n" + rules + "\n";
+  return titles + " \\\\\n" + (rules.empty() ? "" : rules + "\n");
 }
 
 std::string caption_of(const Table& table, bool simulated) {
@@ -117,10 +126,7 @@ std::string csv_of_table(const Table& table) {
 
 /// With words for those who cannot see it.
 std::string titled(std::string svg, const std::string& label) {
-  std::string title = "<title>";
-  for (const char c : clean(label))
-    title += c == '&' ? std::string("&amp;") : c == '<' ? std::string("&lt;") : std::string(1, c);
-  return svg.insert(svg.find('>') + 1, title + "</title>");
+  return svg.insert(svg.find('>') + 1, "<title>" + escaped_html(label) + "</title>");
 }
 
 class PlotWriter {

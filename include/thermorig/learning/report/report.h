@@ -14,6 +14,8 @@ namespace thermorig::report {
 /// Whether the HTML texts draw their charts: node was there when the program was built. They say so
 /// themselves.
 bool draws_charts();
+/// Throws Error(failed) if they do not.
+void require_charts();
 
 /// A chart or a table in a file of its own, for somebody's thesis.
 struct PlotFile {
@@ -45,9 +47,8 @@ std::vector<PlotFile> study_plots(std::span<const study::JobResult> results);
 std::string evaluation_markdown(const model::Model& model, const study::Evaluation& evaluation);
 std::string evaluation_json(const model::Model& model, const study::Evaluation& evaluation);
 std::string evaluation_html(const model::Model& model, const study::Evaluation& evaluation);
-/// As study_plots(). `simulated`: any of the sessions is.
-std::vector<PlotFile> evaluation_plots(const model::Model& model, const study::Evaluation& evaluation,
-                                       bool simulated);
+/// As study_plots(). Simulated: what the model was trained on, or any of the sessions.
+std::vector<PlotFile> evaluation_plots(const model::Model& model, const study::Evaluation& evaluation);
 
 /// As study_plots(), of one session: fig-rates and fig-difference over time, fig-image, what its frames lack.
 /// `image`: what fig-image shows, as one looks at the scene; no values, no figure.

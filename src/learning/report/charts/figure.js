@@ -6,9 +6,9 @@ import { BarChart, CustomChart, HeatmapChart, LineChart, ScatterChart } from 'ec
 import { GraphicComponent, GridComponent, LegendComponent, MarkLineComponent,
   VisualMapContinuousComponent } from 'echarts/components';
 import { SVGRenderer } from 'echarts/renderers';
-import { imageOption } from './image.js';
+import { paletteTable } from '../../../io/web/page/palette.js';
 import { optionOf } from './options.js';
-import { themeOf } from './theme.js';
+import { textStyle, themeOf } from './theme.js';
 
 echarts.use([BarChart, CustomChart, HeatmapChart, LineChart, ScatterChart, GraphicComponent, GridComponent, LegendComponent,
   MarkLineComponent, VisualMapContinuousComponent, SVGRenderer]);
@@ -43,6 +43,30 @@ function withLegend(option) {
   return option;
 }
 
+/** A thermal image with its scale, as the live page colours it. */
+function imageOption(chart) {
+  const rows = chart.values.length / chart.columns;
+  const known = chart.values.filter((value) => value !== null).sort((a, b) => a - b);
+  const [low, high] = [0.01, 0.99].map((share) => known[Math.round(share * (known.length - 1))]);  // a bad pixel is no scale
+  const steps = 16;
+  const table = paletteTable('inferno', false);
+  const colours = Array.from({ length: steps }, (_, i) => {
+    const at = 3 * Math.round((255 * i) / (steps - 1));
+    return `rgb(${table[at]},${table[at + 1]},${table[at + 2]})`;
+  });
+  const hidden = (count) => ({ type: 'category', show: false, data: Array.from({ length: count }, (_, i) => i) });
+  return {
+    textStyle: textStyle(theme),
+    grid: { left: 20, top: 10, width: 440, height: 330 },
+    xAxis: hidden(chart.columns),
+    yAxis: { ...hidden(rows), inverse: true },
+    visualMap: { type: 'continuous', min: low, max: high, right: 24, top: 'middle', itemHeight: 260,
+      precision: 1, text: ['\u00b0C', ''], calculable: true, inRange: { color: colours }, textStyle: textStyle(theme) },
+    series: [{ type: 'heatmap', itemStyle: { borderWidth: 0 },
+      data: chart.values.map((value, i) => [i % chart.columns, Math.floor(i / chart.columns), value === null ? '-' : Math.min(high, Math.max(low, value))]) }],
+  };
+}
+
 /** No character beyond ASCII, whatever encoding the engine hands strings over in. */
 function ascii(text) {
   return text.replace(/[\ud800-\udbff][\udc00-\udfff]/g, (pair) =>
@@ -58,7 +82,7 @@ function still(svg) {
 /** `chart`: as ../document.h describes it; `remark`: what has to be seen beside it, or nothing. */
 global.figure = (chart, remark) => {
   const drawn = echarts.init(null, null, { renderer: 'svg', ssr: true, width, height });
-  const option = chart.kind === 'image' ? imageOption(chart, theme) : withLegend(optionOf(chart, theme));
+  const option = chart.kind === 'image' ? imageOption(chart) : withLegend(optionOf(chart, theme));
   if (remark !== '') option.graphic = [{ type: 'text', right: 4, bottom: 2, style: { text: remark, fill: theme.quiet, fontSize: 10 } }];
   drawn.setOption({ animation: false, backgroundColor: theme.paper, ...option });
   const svg = still(drawn.renderToSVGString());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What ECharts is told of a chart, by its kind.
+// The options of ECharts for a chart, by its kind.
 import { boxesOption } from './boxes.js';
 import { barsOption, histogramOption, linesOption } from './simple.js';
 
