@@ -4,8 +4,8 @@
     run_blocks.py PROJECT BUILD
 
 Blocks fenced as ```sh run in bash with BUILD/bin on the PATH and the project as working folder (of a throw-away copy of
-its tracked files), and print no line beyond 80 columns that could be shorter. Blocks fenced as ```sh hardware name real ports: they run against `thermorig simulate`, whose three
-ports take the place of the names given in PORTS. Blocks fenced as ```python run in /usr/bin/python3, on the newest session.
+its tracked files), and print no line beyond 80 columns that could be shorter. Blocks fenced as ```sh hardware name real
+ports: they run against `thermorig simulate`, whose three ports take the place of the names given in PORTS. Blocks fenced as ```python run in /usr/bin/python3, on the newest session.
 """
 import json
 import os
@@ -45,9 +45,9 @@ def simulated_ports(folder, environment):
 def too_long(output):
     """Lines beyond 80 columns, but for paths and addresses, which cannot be broken, and what is JSON."""
     for line in output.splitlines():
-        told = line.split("\r")[-1]
-        if len(re.sub(r"[^ ]*/[^ ]*", "", told)) > WIDTH and not told.startswith("{"):
-            yield told
+        shown = line.split("\r")[-1]
+        if len(re.sub(r"[^ ]*/[^ ]*", "", shown)) > WIDTH and not shown.startswith("{"):
+            yield shown
 
 
 def run(kind, body, folder, environment):

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Ports on the kernel's real usb-serial driver (ftdi_sio), with plugs pulled and put back, and a camera on a bus behind
-# its driver of a USB bridge (hid-mcp2221), in a QEMU guest: about half a minute. Skips with a message where QEMU, busybox or a kernel image is missing.
+# its driver of a USB bridge (hid-mcp2221), in a QEMU guest: about half a minute. Skips with a message where QEMU, busybox
+# or a kernel image is missing.
 # Usage: bash tests/usb/run.sh [build folder, default build]     THERMORIG_KERNEL_DEB=FILE: a linux-image package
 set -euo pipefail
 cd "$(dirname "$0")/../.."

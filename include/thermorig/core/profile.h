@@ -146,7 +146,7 @@ struct EncoderProfile {
   double once_cosine_deg = 0.0, once_sine_deg = 0.0;    // sent - true, by cosine and sine of the angle sent
   double twice_cosine_deg = 0.0, twice_sine_deg = 0.0;  // the same of twice that angle
   double error_deg = 0.7;                               // what of such errors is left, root mean square
-  std::string measured_utc;                             // empty: assumptions, by which no label is made
+  std::string measured_utc;                             // empty: assumptions, and no label is made of them
 
   /// Of the shaft, for an angle that was sent, whole turns in it or not.
   double angle_deg(double sent_deg) const {

@@ -257,7 +257,7 @@ void add_encoder(Fields& fields) {
   table.number("error_deg", &Encoder::error_deg, "deg", 0, largest_deg,
                "what of such errors is left, root mean square");
   table.date("measured_utc", &Encoder::measured_utc,
-             "when these were calibrated, UTC; empty: assumptions, by which no label is made");
+             "when these were calibrated, UTC; empty: assumptions, and no label is made of them");
 }
 
 ProfileField setting_field(const std::string& table, const sensors::GyroSetting& setting) {
