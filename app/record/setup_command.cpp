@@ -39,9 +39,13 @@ std::string simulated_words(const RigOptions& options) {
   std::string words = fmt::format(" --simulated={}", *options.simulated_seed);
   const SimulatedParts& parts = options.parts;
   const std::pair<const char*, const std::optional<std::string>&> named[] = {
-      {"--simulated-servo", parts.servo}, {"--simulated-camera", parts.camera},
-      {"--simulated-gyro", parts.gyro},   {"--simulated-gyro-protocol", parts.gyro_protocol},
-      {"--scene", parts.scene},           {"--world", parts.world}};
+      {"--simulated-servo", parts.servo},
+      {"--simulated-camera", parts.camera},
+      {"--simulated-gyro", parts.gyro},
+      {"--simulated-gyro-protocol", parts.gyro_protocol},
+      {"--simulated-encoder", parts.encoder},
+      {"--scene", parts.scene},
+      {"--world", parts.world}};
   for (const auto& [name, value] : named)
     if (value) words += fmt::format(" {} {}", name, shell_word(*value));
   return words;
@@ -64,8 +68,10 @@ class TerminalSetup : public rig::SetupWorld {
     std::vector<std::string> there;
     for (const std::string& port : ports_)
       if (std::filesystem::exists(port)) there.push_back(port);
-    const std::vector<io::PortInfo> ports =
-        there.empty() && !ports_.empty() ? std::vector<io::PortInfo>() : ports_to_hear(there);
+    if (there.empty() && !ports_.empty())
+      throw Error(ExitCode::device_missing, "none of the ports that were named is there", ports_.front(),
+                  "plug the devices in; thermorig ports shows which ports there are");
+    const std::vector<io::PortInfo> ports = ports_to_hear(there);
     if (ports.empty())
       throw Error(ExitCode::device_missing, "this machine has no serial port", "",
                   "plug the devices in; without hardware: thermorig setup --simulated=4");
