@@ -13,7 +13,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 umask 022
 export LC_ALL=C TZ=UTC
-native=$(dpkg --print-architecture) arch=$(dpkg --print-architecture)
+native=$(dpkg --print-architecture)
+arch=$native
 case $#:${1-} in
   0:) ;;
   2:--arch) arch=$2 ;;

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that thermorig needs and that are missing. Never removes one.
-# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch] [package] [cross]   (the words add what the live
+# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch] [package] [cross] [--list]   (the words add what the live
 # page and the charts of reports, tests, sanitizer runs, benchmarks, browser tests, tests on the kernel's usb-serial driver,
-# the data set for PyTorch, packages and their trial, and packages for arm64 need)
+# the data set for PyTorch, packages and their trial, and packages for arm64 need; --list prints them and installs nothing)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
@@ -12,6 +12,7 @@ packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
   gcc-avr avr-libc libsimavr-dev)
 # A node that came from elsewhere brings its npm and conflicts with Debian's.
 add_node() { command -v npm >/dev/null || packages+=(nodejs npm); }
+list=''
 for part in "$@"; do
   case "$part" in
     page) add_node ;;
@@ -24,11 +25,13 @@ for part in "$@"; do
     torch) packages+=(python3-torch python3-numpy) ;;
     usb) packages+=(qemu-system-x86 busybox-static cpio python3) ;;
     package) add_node; packages+=(dpkg-dev lintian mandoc mmdebstrap xxd zsh fish) ;;
+    --list) list=yes ;;
     cross) packages+=(g++-aarch64-linux-gnu qemu-user) ;;
     *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, torch, package, cross" >&2; exit 2 ;;
   esac
 done
 
+[ -z "$list" ] || { printf '%s\n' "${packages[@]}"; exit; }
 missing=()
 for package in "${packages[@]}"; do
   dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Toolchain of the packages for arm64 (app/package.sh --arch arm64): Debian's cross compiler, libraries of the folder
-# THERMORIG_SYSROOT (sysroot.sh), and an emulator for the program, which writes its man pages itself.
+# THERMORIG_SYSROOT (sysroot.sh), and an emulator for the program, which writes its man pages itself. A file of its own,
+# since CMake reads it before the project and again for each trial compilation.
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES THERMORIG_SYSROOT)
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)

@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: MIT
 # Debian's packages of another architecture that thermorig is linked with, unpacked into a folder of their own with what
 # dpkg-shlibdeps asks of them: nothing is installed on this computer or removed from it, and nobody needs to be root. Its
-# packages come from this computer's archives. Does nothing where the folder has been made.
+# packages come from this computer's archives. Does nothing where the folder has all of them.
 # Usage: bash app/packaging/sysroot.sh ARCHITECTURE FOLDER
 set -euo pipefail
 arch=$1 root=$2
-[ -e "$root/complete" ] && exit 0
+mapfile -t libraries < <(bash "$(dirname "$0")/../setup.sh" --list | grep -e '-dev$')
+libraries+=(libc6-dev libstdc++-12-dev)
+[ "$(cat "$root/complete" 2>/dev/null)" = "${libraries[*]}" ] && exit 0
 rm -rf "$root"
 info=$root/var/lib/dpkg/info
 mkdir -p "$root"/{apt/lists/partial,apt/cache/archives/partial} "$info"
@@ -18,9 +20,7 @@ options=(-qq -o "APT::Architecture=$arch" -o "APT::Architectures=$arch" -o "Dir:
   -o APT::Sandbox::User=)
 # Other archives than Debian's may not have the architecture.
 apt-get "${options[@]}" update
-apt-get "${options[@]}" --yes --download-only install \
-  libc6-dev libstdc++-12-dev libserialport-dev libseccomp-dev libboost-dev libhdf5-dev libfmt-dev libcli11-dev libtoml11-dev \
-  nlohmann-json3-dev zlib1g-dev libdeflate-dev libzstd-dev libmd-dev libeigen3-dev libonnx-dev libprotobuf-dev libsimavr-dev
+apt-get "${options[@]}" --yes --download-only install "${libraries[@]}"
 for deb in "$root"/apt/cache/archives/*.deb; do
   name=$(dpkg-deb --field "$deb" Package)
   case $(dpkg-deb --field "$deb" Multi-Arch) in same) name=$name:$arch ;; esac
@@ -38,4 +38,4 @@ rm -r "$root/apt"
 find "$root" -type l -lname '/*' -printf '%p %l\n' | while read -r link target; do
   ln -sfn "$(realpath -m --relative-to "$(dirname "$link")" "$root$target")" "$link"
 done
-touch "$root/complete"
+echo "${libraries[*]}" >"$root/complete"

@@ -33,8 +33,8 @@ std::string timing_line(const std::string& name, const std::string& words) {
 }
 
 std::string clock_table(const SyncReport& sync) {
-  Table table({"clock", "method", ">rate /s", ">skew ppm", ">wander ppm", ">late p50 ms", ">p95 ms",
-               ">max ms", ">+- ms"});
+  Table table(
+      {"clock", "method", ">rate /s", ">skew ppm", ">wander ppm", ">late p50 ms", ">p95", ">max", ">+- ms"});
   for (const Device device : all_devices) {
     const ClockReport& clock = sync.clock[device];
     if (clock.method.empty()) {
@@ -206,9 +206,9 @@ std::string servo_text(const Session& session, const session::Quality& quality) 
                       fmt::format("{:.4f} +- {:.4f}, {}", servo.scale.value, servo.scale.uncertainty,
                                   calibrated_text(servo.scale_calibrated, profile.scale_measured_utc)));
   if (std::isfinite(quality.gyro_residual_dps))
-    text += timing_line(
-        "residual", fmt::format("{:.2f} deg/s RMS, corrected gyro minus servo model, over the valid frames",
-                                quality.gyro_residual_dps));
+    text += timing_line("residual",
+                        fmt::format("{:.2f} deg/s RMS, corrected gyro minus servo model, valid frames",
+                                    quality.gyro_residual_dps));
   return text;
 }
 

@@ -39,9 +39,13 @@ std::string simulated_words(const RigOptions& options) {
   std::string words = fmt::format(" --simulated={}", *options.simulated_seed);
   const SimulatedParts& parts = options.parts;
   const std::pair<const char*, const std::optional<std::string>&> named[] = {
-      {"--simulated-servo", parts.servo}, {"--simulated-camera", parts.camera},
-      {"--simulated-gyro", parts.gyro},   {"--simulated-gyro-protocol", parts.gyro_protocol},
-      {"--scene", parts.scene},           {"--world", parts.world}};
+      {"--simulated-servo", parts.servo},
+      {"--simulated-camera", parts.camera},
+      {"--simulated-gyro", parts.gyro},
+      {"--simulated-gyro-protocol", parts.gyro_protocol},
+      {"--simulated-encoder", parts.encoder},
+      {"--scene", parts.scene},
+      {"--world", parts.world}};
   for (const auto& [name, value] : named)
     if (value) words += fmt::format(" {} {}", name, shell_word(*value));
   return words;
@@ -64,8 +68,10 @@ class TerminalSetup : public rig::SetupWorld {
     std::vector<std::string> there;
     for (const std::string& port : ports_)
       if (std::filesystem::exists(port)) there.push_back(port);
-    const std::vector<io::PortInfo> ports =
-        there.empty() && !ports_.empty() ? std::vector<io::PortInfo>() : ports_to_hear(there);
+    if (there.empty() && !ports_.empty())
+      throw Error(ExitCode::device_missing, "none of the ports that were named is there", ports_.front(),
+                  "plug the devices in; thermorig ports shows which ports there are");
+    const std::vector<io::PortInfo> ports = ports_to_hear(there);
     if (ports.empty())
       throw Error(ExitCode::device_missing, "this machine has no serial port", "",
                   "plug the devices in; without hardware: thermorig setup --simulated=4");
@@ -120,7 +126,15 @@ class TerminalSetup : public rig::SetupWorld {
     return session::read_session(result.session);
   }
 
-  void say(const std::string& text) override { tell(text); }
+  /// One thing to know: lines for people, or an object.
+  void say(const std::string& text) override {
+    if (options_.record.json) {
+      const std::size_t end = text.find_last_not_of('\n');
+      return print_json({{"event", "message"}, {"text", text.substr(0, end + 1)}});
+    }
+    print("{}", text);
+    flush_output();
+  }
 
   void confirm(const std::string& question) override {
     if (options_.record.json)
@@ -166,16 +180,6 @@ class TerminalSetup : public rig::SetupWorld {
       if (from) command += fmt::format(" --from {}", rig::setup_step_names[static_cast<std::size_t>(*from)]);
     }
     return command + " --save " + shell_word(options_.save);
-  }
-
-  /// One thing to know: lines for people, or an object.
-  void tell(const std::string& text) const {
-    if (options_.record.json) {
-      const std::size_t end = text.find_last_not_of('\n');
-      return print_json({{"event", "message"}, {"text", text.substr(0, end + 1)}});
-    }
-    print("{}", text);
-    flush_output();
   }
 
  private:
@@ -232,8 +236,8 @@ ExitCode prove(const SetupOptions& options, const RigProfile& profile, TerminalS
   doctor.record.rig = RigOptions();
   doctor.record.rig.profile = options.save;
   if (const ExitCode exit = run(doctor); exit != ExitCode::ok) {
-    world.tell("the profile is written; when that is mended  " + world.command_again(SetupStep::session) +
-               "\n");
+    world.say("the profile is written; when that is mended  " + world.command_again(SetupStep::session) +
+              "\n");
     return exit;
   }
   RecordOptions record = doctor.record;
@@ -245,13 +249,13 @@ ExitCode prove(const SetupOptions& options, const RigProfile& profile, TerminalS
   const session::Quality& quality = summary.result.quality;
   const std::string simulated = simulated_words(options.record.rig);
   if (summary.result.exit == ExitCode::interrupted)
-    world.tell("stopped: the profile is written, the session has no verdict  " +
-               world.command_again(SetupStep::session) + "\n");
+    world.say("stopped: the profile is written, the session has no verdict  " +
+              world.command_again(SetupStep::session) + "\n");
   else if (summary.result.exit == ExitCode::ok && quality.verdict == "good")
-    world.tell("the rig is ready  thermorig record --environment kitchen --rig " + shell_word(options.save) +
-               simulated + "\n");
+    world.say("the rig is ready  thermorig record --environment kitchen --rig " + shell_word(options.save) +
+              simulated + "\n");
   else
-    world.tell("not yet good  " + world.command_again(step_to_repeat(quality)) + "\n");
+    world.say("not yet good  " + world.command_again(step_to_repeat(quality)) + "\n");
   return summary.result.exit;
 }
 
@@ -273,7 +277,7 @@ ExitCode run(const SetupOptions& options) {
     simulated->start();
   }
   TerminalSetup world(options, ports);
-  if (simulated) world.tell(fmt::format("SIMULATED rig, seed {}\n", *options.record.rig.simulated_seed));
+  if (simulated) world.say(fmt::format("SIMULATED rig, seed {}\n", *options.record.rig.simulated_seed));
   const RigProfile profile = rig::set_up(path, from, world);
   return prove(options, profile, world);
 }

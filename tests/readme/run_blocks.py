@@ -44,10 +44,10 @@ def simulated_ports(folder, environment):
 
 
 def too_long(output):
-    """Lines beyond 80 columns, but for paths and addresses, which cannot be broken, and what is JSON."""
+    """Lines beyond 80 columns, but for paths and addresses (deg/s is none), which cannot be broken, and what is JSON."""
     for line in output.splitlines():
         shown = line.split("\r")[-1]
-        if len(re.sub(r"[^ ]*/[^ ]*", "", shown)) > WIDTH and not shown.startswith("{"):
+        if len(re.sub(r"(?![^ ]*/(s|min)\b)[^ ]*/[^ ]*", "", shown)) > WIDTH and not shown.startswith("{"):
             yield shown
 
 

@@ -11,7 +11,7 @@ EncoderResult measure_encoder(const session::Session& session) {
   const labels::EncoderFitResult found = labels::fit_encoder(
       session.shaft, session.gyro, session.servo, session.sync.gyro, session.raw.header.profile.encoder);
   if (!found.fit)
-    throw Error(ExitCode::finished_lossy, "the session does not tell the encoder's errors: " + found.why_not,
+    throw Error(ExitCode::finished_lossy, "the encoder's errors are not known: " + found.why_not,
                 "calibrate encoder",
                 session.shaft.empty() ? "connect the sensor as firmware_servo/README.md says, flash firmware "
                                         "1.3.0 or later, then thermorig calibrate encoder"

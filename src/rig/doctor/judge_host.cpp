@@ -56,11 +56,10 @@ std::string bus_advice(const PortFacts& port, const HostFacts& facts) {
       user);
 }
 
-/// A half-frame has 15,000 bits, nine a byte.
+/// A half-frame has 15,000 bits: 1,664 bytes of nine.
 void add_bus_check(const PortFacts& port, std::vector<Check>& checks) {
   if (!port.bus_hz) return;
-  constexpr double enough_hz =
-      350e3;  // for 16 half-frames a second, and the EEPROM bears no more than 400 kHz
+  constexpr double enough_hz = 350e3;  // for 16 half-frames a second; the EEPROM bears 400 kHz at most
   Check check{.name = name_of_port(port) + " speed",
               .result = fmt::format("the bus runs at {:.0f} kHz", 1e-3 * *port.bus_hz)};
   if (*port.bus_hz < enough_hz) {

@@ -17,6 +17,7 @@
 
 #include "system_text.h"
 #include "thermorig/io/files/holder.h"
+#include "thermorig/io/port.h"
 #include "thermorig/rig/doctor/host_facts.h"
 
 namespace thermorig::doctor {
@@ -207,7 +208,7 @@ PortFacts look_at_port(const fs::path& root, const AskedPort& asked, const Proce
   const std::string name = path.filename();
   std::error_code missing;
   facts.exists = fs::exists(root / path.relative_path(), missing);
-  facts.is_bus = name.starts_with("i2c-");
+  facts.is_bus = io::is_i2c_bus(asked.path);
   if (!facts.exists) return facts;
   facts.may_open = may_open(root, path, process);
   if (facts.is_bus) {

@@ -56,7 +56,8 @@ class HeldSignals {
   HeldSignals(const HeldSignals&) = delete;
   HeldSignals& operator=(const HeldSignals&) = delete;
   ~HeldSignals() {
-    is_pending();  // or it would end the program now
+    while (is_pending()) {  // or it would end the program now
+    }
     close(descriptor_);
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);
   }
@@ -174,6 +175,7 @@ FlashRun run_avrdude(const FlashOptions& options, int baud) {
     if (size < 0 && errno == EINTR) continue;
     if (size <= 0) {
       run.code = avrdude.wait();
+      run.is_interrupted = signals.is_pending();
       return run;
     }
     run.text.append(bytes.data(), static_cast<std::size_t>(size));
@@ -183,7 +185,7 @@ FlashRun run_avrdude(const FlashOptions& options, int baud) {
   return run;
 }
 
-/// The last line by which avrdude tells of an error, without its own name before it.
+/// avrdude's last error, without its own name before it.
 std::string last_error(const FlashRun& run) {
   std::string found;
   std::size_t begin = 0;
@@ -269,9 +271,9 @@ void flash_firmware(const FlashOptions& options) {
       answers ? "what is on the port answers, but not as a boot loader at 115200 or 57600 baud"
               : "no boot loader answers at 115200 or 57600 baud",
       options.port,
-      "is it the servo's board, an Uno or a Nano (ATmega328P)? Nothing was written. If it is: take what is "
-      "on "
-      "its pins 0, 1 and reset off, press reset as flashing begins, or burn a boot loader (Arduino: Tools)");
+      "is it the servo's board, an Uno or a Nano (ATmega328P)? Nothing was written. If it is: take off what "
+      "is on its pins 0, 1 and reset, press reset as flashing begins, or burn a boot loader (Arduino: "
+      "Tools)");
 }
 
 }  // namespace thermorig::rig

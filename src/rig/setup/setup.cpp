@@ -117,7 +117,7 @@ void take_gyro_on_trial(const PortFinding& finding, SetupState& state) {
 }
 
 /// What the devices that were found cannot do: few decimals, a frame of two half-frames.
-void tell_remarks(const PortFinding& gyro, const RigProfile& profile, SetupWorld& world) {
+void say_remarks(const PortFinding& gyro, const RigProfile& profile, SetupWorld& world) {
   if (const std::string remark = sensors::remark_on_rates(profile.gyro); !remark.empty())
     world.say(fmt::format("gyro: {}\n", remark));
   else if (gyro.text_format)
@@ -153,7 +153,7 @@ void take_travel(double share, double tolerance, ServoProfile& servo, SetupWorld
   if (std::abs(share - 1.0) < tolerance) return;
   if (servo.protocol != ServoProfile().protocol)  // a gear behind it; its travel is what the cable bears
     throw Error(
-        ExitCode::finished_lossy, fmt::format("the shaft turned by {:.2f} of what the servo was told", share),
+        ExitCode::finished_lossy, fmt::format("the shaft turned by {:.2f} of what was commanded", share),
         "servo",
         fmt::format("is there a gear between? then scale = {:.3f} in [servo] of the profile; of a GRBL "
                     "board set $100, the steps a degree",
@@ -231,7 +231,7 @@ SetupState set_up_ports(SetupState state, SetupWorld& world) {
     state.profile = apply_findings(std::move(state.profile), findings, ambiguous);
     const PortFinding& gyro = *of_role(findings, Device::gyro).front();
     take_gyro_on_trial(gyro, state);
-    tell_remarks(gyro, state.profile, world);
+    say_remarks(gyro, state.profile, world);
     return state;
   }
   throw Error(ExitCode::device_missing, "the rig's ports are still not clear", "",
