@@ -121,18 +121,17 @@ class TerminalSetup : public rig::SetupWorld {
     if (options_.record.json)
       return print_json({{"event", "question"}, {"text", question}, {"answer", "yes"}});
     if (options_.yes) return say(question + " (--yes)\n");
-    say(question + " [Enter: yes, n: no] ");
+    say(question + "\n[Enter: yes, n: no] ");
     if (const std::string answer = answered();
         !answer.empty() && answer.front() != 'y' && answer.front() != 'Y')
       throw Error(ExitCode::interrupted, "answered with no: nothing was written", "setup",
-                  "mend what is not right, then thermorig setup again");
+                  "fix what is wrong, then thermorig setup again");
   }
 
   void ask_to(const std::string& request) override {
     if (options_.yes)
-      throw Error(ExitCode::device_missing,
-                  request + ": that takes a person, and --yes says that there is none", "setup",
-                  "name the rig's ports: thermorig setup PORT PORT PORT");
+      throw Error(ExitCode::device_missing, request + ": a person has to do that, and --yes was given",
+                  "setup", "name the rig's ports: thermorig setup PORT PORT PORT");
     say(request + ", then press Enter. ");
     answered();
   }
@@ -195,7 +194,7 @@ SetupStep step_to_repeat(const session::Quality& quality) {
                        [&](const std::string& reason) { return reason.find(word) != std::string::npos; });
   };
   if (mentions("messages were lost") || mentions("sent nothing")) return SetupStep::ports;
-  if (mentions("shaft") || mentions("disagree")) return SetupStep::servo;
+  if (mentions("shaft") || mentions("servo delay") || mentions("disagree")) return SetupStep::servo;
   return SetupStep::turns;
 }
 
@@ -207,7 +206,7 @@ ExitCode prove(const SetupOptions& options, const RigProfile& profile, TerminalS
   doctor.record.rig = RigOptions();
   doctor.record.rig.profile = options.save;
   if (const ExitCode exit = run(doctor); exit != ExitCode::ok) {
-    world.say("the profile is written; when that is mended  " + world.command_again(SetupStep::session) +
+    world.say("the profile is written; when that is fixed  " + world.command_again(SetupStep::session) +
               "\n");
     return exit;
   }

@@ -98,7 +98,7 @@ void require_others(const std::vector<PortFinding>& findings) {
       throw Error(closed->code == ExitCode::ok ? ExitCode::device_missing : closed->code,
                   fmt::format("no {} was found, and this port could not be opened: {}", name_of(device),
                               closed->problem),
-                  closed->info.path, "thermorig doctor says what stands in the way");
+                  closed->info.path, "thermorig doctor says why");
     throw Error(ExitCode::device_missing, fmt::format("no {} was found on any port", name_of(device)), "",
                 "check its cable and supply (thermorig look PORT shows what a port sends)");
   }
@@ -310,8 +310,8 @@ SetupState set_up_turns(SetupState state, SetupWorld& world) {
   const SweepPlan plan = setup_turns_plan(state.profile.servo, state.profile.camera);
   const double fastest_dps = *std::max_element(plan.leg_rates_dps.begin(), plan.leg_rates_dps.end());
   world.confirm(
-      fmt::format("The servo now turns there and back for half a minute, at up to {:.0f} deg/s, by up "
-                  "to\n{:.0f} degrees. Is the way free, and does the camera see something warm?",
+      fmt::format("The servo now turns there and back for half a minute, at up to {:.0f} deg/s, by up to "
+                  "{:.0f} degrees. Is the way free, and does the camera see something warm?",
                   fastest_dps, fastest_dps * plan.frames_per_leg / state.profile.camera.output_rate_hz));
   session::Session session = world.record(state.profile, plan);
   if (!state.knows_gyro_axis) {

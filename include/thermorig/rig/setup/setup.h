@@ -55,8 +55,9 @@ struct DevicesSeen {
   RecordingProgress progress;
 };
 
-/// Opens the profile's ports until all devices have sent for 3 s. `recording` has the profile. Nothing is kept,
-/// and nothing moves. Throws Error: device_missing, no_permission; interrupted when a signal asks it to stop.
+/// Opens the profile's ports until all devices have sent for 3 s. `recording` has the profile. Nothing is
+/// kept, and nothing moves. Throws Error: device_missing, no_permission; interrupted when a signal asks it to
+/// stop.
 DevicesSeen see_devices(RecordingOptions recording, PortLoop& loop);
 
 /// What is known of a rig so far.
