@@ -44,3 +44,18 @@ if command -v fish >/dev/null; then
   [[ $found == record$'\t'* ]] || fail "fish completes 'thermorig recor' to: $found"
 fi
 if command -v zsh >/dev/null; then zsh -n share/zsh/vendor-completions/_thermorig; fi
+
+# The same by its key, in a shell on a terminal: --ver becomes --version, which names the compiler.
+completes() { # SHELL LINE...: lines that make the completion known to it
+  local shell=$1 said
+  shift
+  command -v "${shell%% *}" >/dev/null || return 0
+  said=$({ printf '%s\n' "$@"; sleep 0.5; printf 'thermorig --ver\t\n'; sleep 0.5; printf 'exit\n'; } |
+    TERM=xterm timeout 60 script -qec "$shell" /dev/null)
+  grep -qa '^compiler' <<<"$said" || fail "${shell%% *} completes nothing on a terminal: $said"
+}
+if command -v script >/dev/null; then
+  completes 'bash --norc --noprofile -i' 'source share/bash-completion/completions/thermorig'
+  completes 'zsh -f -i' 'fpath=(share/zsh/vendor-completions $fpath)' 'autoload -Uz compinit; compinit -D -u'
+  completes 'fish --no-config -i' 'source share/fish/vendor_completions.d/thermorig.fish'
+fi
