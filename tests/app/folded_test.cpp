@@ -40,11 +40,15 @@ class MachineOutput : public ProgramTest {};
 
 TEST_F(MachineOutput, IsNeverFolded) {
   const std::string session = record_briefly().string();
-  for (const std::string& command :
-       {"list --json", "inspect --json --timing " + session, "export --csv -o - " + session,
-        "export --tum=shaft -o - " + session, "dataset split recordings --json",
-        "reprocess --json " + session, "evaluate general --json " + session,
-        std::string("list --nonsense --json")}) {
+  const std::vector<std::string> commands{"list --json",
+                                          "inspect --json --timing " + session,
+                                          "export --csv -o - " + session,
+                                          "export --tum=shaft -o - " + session,
+                                          "dataset split recordings --json",
+                                          "reprocess --json " + session,
+                                          "evaluate general --json " + session,
+                                          "list --nonsense --json"};
+  for (const std::string& command : commands) {
     setenv("COLUMNS", "1000", 1);
     const Outcome wide = run(command);
     setenv("COLUMNS", "40", 1);

@@ -160,7 +160,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"hard,servo.damping=2", "\"2\" is not a value of servo.damping",
                             "a number from 0.3 to 1.2"},
                     Refusal{"hard,gyro.bandwidth_hz=4.9", "\"4.9\"", "a number from 5 to 256 Hz"},
-                    Refusal{"hard,servo.damping", "\"\" is no value", "from 0.3 to 1.2"},
+                    Refusal{"hard,servo.damping", "\"\" is not a value", "from 0.3 to 1.2"},
                     Refusal{"hard,servo.damping=0.5x", "\"0.5x\"", "from 0.3 to 1.2"},
                     Refusal{"hard,servo.damping=nan", "\"nan\"", "from 0.3 to 1.2"}));
 
