@@ -227,7 +227,7 @@ void add_tables(std::string& text, const CLI::App& command) {
   for (const CLI::App* one : inner) add_tables(text, *one);
   if (!inner.empty()) return;
   const std::string name = full_name(command).substr(std::string("thermorig ").size());
-  text += "<!-- options: " + name + " -->\n\n" + table(command) + "\n<!-- end of options -->\n";
+  text += "<!-- options: " + name + " -->\n" + table(command) + "<!-- end of options -->\n";
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ void add_setup(CLI::App& root, Words& words) {
   add_seed(
       command, [&record](std::uint64_t seed) { record.rig.simulated_seed = seed; },
       "Set up the simulated rig; =SEED chooses another one");
-  add_simulated_parts(command, record.rig.parts);
+  in_group(command, simulated_rig_group, [&] { add_simulated_parts(command, record.rig.parts); });
   command.footer(
       "Steps: ports, look, servo, turns, session.\n"
       "Examples:\n"

@@ -62,7 +62,7 @@ bool convert(const fs::path& svg) {
     if (!status) return false;
     if (*status != 0)
       throw Error(ExitCode::failed, std::string(converter) + " could not convert a figure", svg.string(),
-                  "the SVG files are whole; what it said stands above");
+                  "the SVG files are complete; its message is above");
   }
   return true;
 }

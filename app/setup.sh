@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that thermorig needs and that are missing. Never removes one.
-# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch] [package] [cross] [--list]   (the words add what the live
+# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch] [latex] [package] [cross] [--list]   (the words add what the live
 # page and the charts of reports, tests, sanitizer runs, benchmarks, browser tests, tests on the kernel's usb-serial driver,
-# the data set for PyTorch, packages and their trial, and packages for arm64 need; --list prints them and installs nothing)
+# the data set for PyTorch, tables in LaTeX, packages and their trial, and packages for arm64 need; --list prints them and installs nothing)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
@@ -23,11 +23,12 @@ for part in "$@"; do
     bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
     browser) packages+=(chromium) ;;
     torch) packages+=(python3-torch python3-numpy) ;;
+    latex) packages+=(texlive-latex-recommended) ;;
     usb) packages+=(qemu-system-x86 busybox-static cpio python3) ;;
     package) add_node; packages+=(dpkg-dev lintian mandoc mmdebstrap xxd zsh fish) ;;
     --list) list=yes ;;
     cross) packages+=(g++-aarch64-linux-gnu qemu-user) ;;
-    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, torch, package, cross" >&2; exit 2 ;;
+    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, torch, latex, package, cross" >&2; exit 2 ;;
   esac
 done
 

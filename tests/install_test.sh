@@ -44,3 +44,20 @@ if command -v fish >/dev/null; then
   [[ $found == record$'\t'* ]] || fail "fish completes 'thermorig recor' to: $found"
 fi
 if command -v zsh >/dev/null; then zsh -n share/zsh/vendor-completions/_thermorig; fi
+
+# The same by its key, in a shell on a terminal: --ver becomes --version, which names the compiler.
+completes() { # SHELL SECONDS LINE...: how long it takes to begin, lines that make the completion known to it
+  local shell=$1 pause=$2 said
+  shift 2
+  command -v "${shell%% *}" >/dev/null || return 0
+  said=$({ printf '%s\n' "$@"; sleep "$pause"; printf 'thermorig --ver\t\n'; sleep "$pause"; printf 'exit\n'; } |
+    TERM=xterm timeout 60 script -qec "$shell" /dev/null)
+  grep -qa '^compiler' <<<"$said" || fail "${shell%% *} completes nothing on a terminal: $said"
+}
+if command -v script >/dev/null; then
+  completes 'bash --norc --noprofile -i' 0 'source share/bash-completion/completions/thermorig'
+fi
+if command -v script >/dev/null && [ -n "${THERMORIG_EVERYTHING:-}" ]; then
+  completes 'zsh -f -i' 1 'fpath=(share/zsh/vendor-completions $fpath)' 'autoload -Uz compinit; compinit -D -u'
+  completes 'fish --no-config -i' 1 'source share/fish/vendor_completions.d/thermorig.fish'
+fi

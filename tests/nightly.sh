@@ -12,7 +12,7 @@ commit=$(git rev-parse HEAD)
 export THERMORIG_EVERYTHING=1 THERMORIG_PARTS=${TMPDIR:-/tmp}/thermorig-parts.$$
 : >"$THERMORIG_PARTS"
 trap 'rm -f "$THERMORIG_PARTS"' EXIT
-bash app/setup.sh torch package # half a gigabyte: too much for every run
+bash app/setup.sh torch latex package # half a gigabyte: too much for every run
 bash tests/run.sh
 bash tests/deep.sh "${1:-60}"
 source tests/parts.sh

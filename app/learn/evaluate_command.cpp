@@ -32,12 +32,12 @@ void check_study_words(const EvaluateOptions& options) {
                   std::string("thermorig evaluate --study recordings -o study ") + word);
     if (given != nullptr)
       throw Error(ExitCode::bad_usage, std::string(given) + " and " + word + " are two questions", "",
-                  "ask one after the other");
+                  "run one, then the other");
     given = word;
   }
   if (options.require_complete && (!options.study || !options.draw || options.paths.empty()))
     throw Error(ExitCode::bad_usage, "--require-complete needs to know which jobs the study has", "",
-                "the words of the study as well: thermorig evaluate --study recordings --draw study "
+                "give the options of the study, too: thermorig evaluate --study recordings --draw study "
                 "--require-complete");
 }
 
@@ -63,18 +63,18 @@ ExitCode run(const EvaluateOptions& options) {
   if (options.require_complete) return draw_complete_study(options);
   if (options.draw) return draw_study(options);
   if (options.live && options.study)
-    throw Error(ExitCode::bad_usage, "--live and --study are two questions", "", "ask one after the other");
+    throw Error(ExitCode::bad_usage, "--live and --study exclude each other", "", "run one, then the other");
   if (options.live && !options.output.empty())
     throw Error(ExitCode::bad_usage, "--output is for reports, and --live only prints", "",
                 "leave --output out; --json prints for programs");
   if (options.label && !options.study)
-    throw Error(ExitCode::bad_usage, "--label is that of a study: a model says itself which one it learnt",
-                "", "thermorig evaluate --study recordings -o study --label shaft");
+    throw Error(ExitCode::bad_usage, "--label is for a study: a model knows its own label", "",
+                "thermorig evaluate --study recordings -o study --label shaft");
   if (options.turned != 1 && (options.live || options.study))
-    throw Error(ExitCode::bad_usage, "--turned is of a model on sessions", "",
+    throw Error(ExitCode::bad_usage, "--turned is for a model on sessions", "",
                 "thermorig evaluate model.onnx recordings --turned 8");
   if (options.bound && (options.live || options.study))
-    throw Error(ExitCode::bad_usage, "--bound is of a model on sessions", "",
+    throw Error(ExitCode::bad_usage, "--bound is for a model on sessions", "",
                 "thermorig evaluate model.onnx recordings --bound");
   if (options.paths.empty()) refuse_without_paths(options);
   if (options.live) return evaluate_live(options);

@@ -99,10 +99,10 @@ std::vector<std::string> warnings_of(const model::Model& model, const ModelEvalu
                     fmt::join(other_view, ", ")));
   const std::vector<std::string> unbounded = without_bounds(acquisitions);
   if (!unbounded.empty())
-    warnings.push_back(fmt::format(
-        "no bound is known of {}: the odometer made no panorama of the surroundings there (it needs "
-        "a gyro, structure all around, and half a minute of turning)",
-        fmt::join(unbounded, ", ")));
+    warnings.push_back(
+        fmt::format("no bound for {}: the odometer built no map there (it needs "
+                    "a gyro, structure all around, and half a minute of turning)",
+                    fmt::join(unbounded, ", ")));
   return warnings;
 }
 

@@ -62,8 +62,7 @@ std::string study_text(const std::vector<study::JobResult>& results) {
   if (study::mixes_instruction_sets(results))
     text += fmt::format("computed with {}, which round differently\n",
                         printable(study::instruction_sets_of(results)));
-  if (has_simulated(results))
-    text += "SIMULATED rig: trends only, not to be set beside figures of real recordings.\n";
+  if (has_simulated(results)) text += "SIMULATED rig: trends only; do not compare with real recordings.\n";
   return text;
 }
 

@@ -67,8 +67,7 @@ void FrameMemory::run_estimators(dataset::Acquisitions& data, bool json, const d
 std::string FrameMemory::text() const {
   const std::uint64_t in_memory = store_.bytes_in_memory(), on_disk = store_.bytes_on_disk();
   if (on_disk == 0)
-    return fmt::format("frames in memory{}, of which they may take {}", in_memory > 0 ? ", packed" : "",
-                       bytes_text(bytes_));
+    return fmt::format("frames in memory{} (limit {})", in_memory > 0 ? ", packed" : "", bytes_text(bytes_));
   return fmt::format("frames: {} % fit in {} of memory; {} on the disk in {}",
                      100 * in_memory / (in_memory + on_disk), bytes_text(bytes_), bytes_text(on_disk),
                      printable(store_.place().string()));

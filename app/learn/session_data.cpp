@@ -55,8 +55,8 @@ void tell_labels(const std::vector<std::string>& files) {
   if (files.empty()) return;
   print(
       "labels from the gyro (no servo): {}\n"
-      "  what sees the gyro is held against a part of itself there: only errors from\n"
-      "  images alone say how good an estimator is\n",
+      "  estimators that use the gyro are compared with themselves there: only\n  those of images alone show "
+      "how good they are\n",
       some_of(files));
 }
 

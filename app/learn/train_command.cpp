@@ -230,7 +230,7 @@ class Run {
     const bool free = is_free(options_.output, folder_.model_path());
     model::write_model(folder_.model_path(), model);
     if (!free)
-      throw Error(ExitCode::storage, "a file came into being there meanwhile, and is not overwritten",
+      throw Error(ExitCode::storage, "another program wrote this file meanwhile; it is not overwritten",
                   options_.output.string(), "take the model from " + folder_.model_path().string());
     model::write_model(options_.output, model);
   }

@@ -151,9 +151,10 @@ WindowCounts count_windows(const TrainStart& start) {
 std::string start_text(const TrainStart& start) {
   std::string text = start.data.acquisitions.empty() ? "" : data_text(start) + simulated_text(start);
   text += made_rooms_text(start.config);
-  text += start.config.from             ? fmt::format("begins with {}\n", printable(start.config.from->name))
-          : start.config.window_scaling ? "begins anew, with no model of such a camera and frames\n"
-                                        : "";
+  text += start.config.from ? fmt::format("begins with {}\n", printable(start.config.from->name))
+          : start.config.window_scaling
+              ? "starts from random weights: no general model fits this camera and its frames\n"
+              : "";
   text += network_text(start) + "\n" + settings_text(start.config, start.label) + "\n";
   text += start.memory.text() + "\n";
   text += fmt::format("run folder {}\n", printable(start.run_folder));

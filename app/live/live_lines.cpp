@@ -159,9 +159,8 @@ std::string heading_of(const LiveFacts& facts) {
   const RecordingHeader& header = facts.header;
   std::string text = fmt::format("{} {}, ", name_of(facts.mode), printable(header.environment));
   if (header.profile.servo.is_there())
-    text +=
-        fmt::format("plan {}: {} legs, about {}{}\n", printable(facts.plan_name), facts.legs,
-                    duration_text(facts.expected_s), facts.repeats ? ", again and again until stopped" : "");
+    text += fmt::format("plan {}: {} legs, about {}{}\n", printable(facts.plan_name), facts.legs,
+                        duration_text(facts.expected_s), facts.repeats ? ", repeated until stopped" : "");
   else
     text += "no servo: rates are shown, and not scored\n";
   if (header.simulated) text += simulated_line(header.simulation_seed, header.simulation);

@@ -44,7 +44,7 @@ void require_same_kind(const map_file::StoredMap& stored, bool simulated, const 
 }
 
 std::string how_to_make_again(const fs::path& map, const fs::path& session) {
-  if (session.empty()) return "this run's map is lost: with --record a session is kept that makes it again";
+  if (session.empty()) return "this run's map is lost; --record keeps a session that can rebuild it";
   return fmt::format("then thermorig live --replay {} --speed max --map {} makes the map again",
                      shell_word(session.string()), shell_word(map.string()));
 }
@@ -70,8 +70,8 @@ void LiveMap::begin_with_file(const CameraProfile& camera, bool simulated) {
 }
 
 std::string LiveMap::opening() const {
-  if (!map_) return fmt::format("map {}: there is none yet; it is written at the end", path_.string());
-  return fmt::format("map {}: {}; where the camera looks in it is searched for", path_.string(), origin_);
+  if (!map_) return fmt::format("map {}: new; written at the end", path_.string());
+  return fmt::format("map {}: {}; locating the camera in it", path_.string(), origin_);
 }
 
 std::optional<std::string> LiveMap::news(odometer::MapUse use) {
@@ -82,8 +82,8 @@ std::optional<std::string> LiveMap::news(odometer::MapUse use) {
   if (use == odometer::MapUse::found)
     return fmt::format("map {}: recognised; headings are since its origin", path_.string());
   return fmt::format(
-      "map {}: what the camera shows does not fit it; a new map is begun, and the file stays "
-      "as it is (another --map keeps the new one)",
+      "map {}: the images do not fit it; a new map was begun, and the file is unchanged (another --map saves "
+      "the new one)",
       path_.string());
 }
 
@@ -91,10 +91,10 @@ std::optional<std::string> LiveMap::write(const std::optional<odometer::Map>& ma
                                           const RecordingHeader& header, const fs::path& session) {
   if (path_.empty()) return std::nullopt;
   const bool is_other = map_ && use != odometer::MapUse::found;
-  if (is_other) return fmt::format("map {}: it was not recognised, and stays as it is", path_.string());
+  if (is_other) return fmt::format("map {}: room not recognised; map unchanged", path_.string());
   if (!map)
     return fmt::format(
-        "map {}: not written: the odometer has none that it trusts (it takes half a minute of motion to one)",
+        "map {}: not written: the odometer has no reliable map yet (it needs half a minute of motion)",
         path_.string());
   return written_text(kept_at({.simulated = header.simulated,
                                .environment = header.environment,

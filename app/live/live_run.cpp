@@ -138,7 +138,7 @@ void LiveRun::warn_of_gate(const live::LiveScores& scores) {
 
 void LiveRun::warn_of_ignored() {
   if (estimates_.bank().ignored() == 0 || std::exchange(ignored_told_, true)) return;
-  warn("a device sent values that are no numbers (NaN or infinite): estimators pass over them");
+  warn("a device sent NaN or infinity: estimators skip these values");
 }
 
 void LiveRun::tell_of_map() {

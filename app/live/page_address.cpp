@@ -27,10 +27,10 @@ bool is_read_by_others(std::FILE* stream) {
 /// Where the address is that the output may not have.
 std::string whereabouts(const web::Server& page, bool on_standard_error) {
   if (!page.kept_in().empty())
-    return fmt::format("the address with its token stands {}under \"url\" in {}",
+    return fmt::format("the address with its token is {}under \"url\" in {}",
                        on_standard_error ? "on standard error, and " : "",
                        printable(page.kept_in().string()));
-  if (on_standard_error) return "the address with its token stands on standard error";
+  if (on_standard_error) return "the address with its token is on standard error";
   return "the address with its token is kept nowhere; print to a terminal, or to a file that is yours alone";
 }
 

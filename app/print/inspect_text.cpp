@@ -196,7 +196,7 @@ std::string altered_text(const std::vector<std::string>& altered) {
   for (std::size_t i = 0; i < std::min(altered.size(), most); ++i)
     text += (i == 0 ? " " : ", ") + printable(altered[i]);
   if (altered.size() > most) text += fmt::format(" and {} more", altered.size() - most);
-  return text + "\n         what stands above is not taken from them; thermorig reprocess writes them anew\n";
+  return text + "\n         nothing above is taken from them; thermorig reprocess writes them anew\n";
 }
 
 std::string left_out_text(const std::vector<std::string>& left_out) {

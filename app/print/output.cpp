@@ -63,7 +63,7 @@ Error unwritten_output(int error_number) {
   if (error_number == EPIPE) return told("", "");
   const bool is_full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
   return told("the output could not be written: " + std::generic_category().message(error_number),
-              is_full ? "free some space" : "let it go to another place: > FILE");
+              is_full ? "free some space" : "write it to a file: > FILE");
 }
 
 std::string json_line(const nlohmann::json& object) {

@@ -15,9 +15,9 @@ constexpr std::string_view rows_begin = "camera rows: ";
 
 std::string rows_text(const odometer::FoundRows& rows) {
   constexpr double least = odometer::FoundRows::least_margin;
-  return fmt::format(
-      "{}{}, margin {:.0f} (difference of log-likelihoods){}", rows_begin, odometer::name_of(rows.order),
-      rows.margin, rows.margin < least ? fmt::format(": assumed, as {:.0f} at least would tell", least) : "");
+  return fmt::format("{}{}, margin {:.0f} (difference of log-likelihoods){}", rows_begin,
+                     odometer::name_of(rows.order), rows.margin,
+                     rows.margin < least ? fmt::format(": assumed (limit {:.0f})", least) : "");
 }
 
 std::string rows_told(std::span<const RecordingEvent> events) {

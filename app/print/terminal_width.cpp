@@ -27,14 +27,15 @@ std::size_t columns_of(std::string_view text) {
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
-/// What stands behind a label of one word, or of one with a colon.
+/// What stands behind a label: a word with a colon, or some words and two blanks.
 std::size_t hanging_indent(std::string_view line) {
   constexpr std::size_t deepest = 24;
   const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
-  const std::size_t end = std::min(line.find(' ', begin), line.size());
-  const std::size_t next = std::min(line.find_first_not_of(' ', end), line.size());
-  const bool is_label = next - end >= 2 || (end > begin && line[end - 1] == ':');
-  return is_label && next <= deepest ? next : begin + 2;
+  const std::size_t colon = std::min(line.find(": ", begin), line.size());
+  const bool is_word = line.substr(begin, colon - begin).find(' ') == std::string_view::npos;
+  const std::size_t end = is_word ? colon + 1 : line.find("  ", begin);
+  const std::size_t next = line.find_first_not_of(' ', std::min(end, line.size()));
+  return next <= deepest ? next : begin + 2;
 }
 
 std::string folded_line(std::string_view line, std::size_t width) {

@@ -38,7 +38,7 @@ void remark_offset(const session::Session& session, Remarks& remarks) {
   const PortProfile& link = session.raw.header.profile.camera.link;
   const CameraOffset& offset = session.sync.camera_offset;
   if (offset.applied || !link.latency_measured_utc.empty()) return;
-  remarks.say(fmt::format("how late the camera is rests on an assumption (+- {:.1f} ms){}",
+  remarks.say(fmt::format("the camera's delay is assumed (+- {:.1f} ms){}",
                           1e3 * session.sync.clock[Device::camera].latency_uncertainty_s,
                           offset.why_not.empty() ? "" : ": " + offset.why_not));
   remarks.advise("thermorig calibrate latency");
@@ -58,8 +58,7 @@ void remark_constants(const session::Session& session, Remarks& remarks) {
   if (session.sync.camera_offset.contradicts) remarks.advise("thermorig calibrate latency");
   if (gyro.filter_source.empty() || gyro.filter_contradicts) {
     if (!gyro.filter_contradicts)
-      remarks.say(
-          "how late the gyro's own filter makes it is not known, so all times may be shifted together");
+      remarks.say("the delay of the gyro's filter is not known: all times may be shifted together");
     remarks.advise("state the gyro's bandwidth_hz in the profile, as its settings or its data sheet have it");
   }
   if (are_rows_apart(session.sync.camera_offset))
@@ -67,7 +66,7 @@ void remark_constants(const session::Session& session, Remarks& remarks) {
 }
 
 void remark_servo(const ServoResponse& servo, Remarks& remarks) {
-  if (!servo.fitted) remarks.say("how the shaft follows the servo's pulses was not fitted");
+  if (!servo.fitted) remarks.say("the servo's delay was not measured: the default is used");
   if (servo.scale_calibrated) return;
   remarks.say(
       fmt::format("the servo's scale is not calibrated (+- {:.1f} %)", 100 * servo.scale.uncertainty));

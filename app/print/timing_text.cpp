@@ -110,8 +110,8 @@ std::string breaks_text(const Session& session) {
 }
 
 std::string offset_text(const CameraOffset& offset) {
-  if (!offset.offset_s) return fmt::format("not told by the images: {}", offset.why_not);
-  return fmt::format("{:+.2f} +- {:.2f} ms by {} chess halves, {}", 1e3 * offset.offset_s->value,
+  if (!offset.offset_s) return fmt::format("not measured: {}", offset.why_not);
+  return fmt::format("{:+.2f} +- {:.2f} ms by {} half-frames, {}", 1e3 * offset.offset_s->value,
                      1e3 * offset.offset_s->uncertainty, count_text(offset.halves),
                      offset.applied ? "applied to the camera's times" : "not applied");
 }
@@ -143,7 +143,7 @@ std::string scale_text(const GyroErrors& gyro, const GyroProfile& profile) {
 
 std::string filter_text(const GyroErrors& gyro) {
   if (gyro.filter_source.empty())
-    return fmt::format("not known: all times may be late by up to {:.0f} ms, by the same",
+    return fmt::format("not known: all times may be late by up to {:.0f} ms, all by the same",
                        2.5e3 * gyro.filter_delay_s.uncertainty);
   const std::string_view by = gyro.filter_source == "noise"    ? "by its noise"
                               : gyro.filter_source == "device" ? "as the device says"

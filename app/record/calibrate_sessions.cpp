@@ -136,7 +136,7 @@ class Collection {
   [[noreturn]] void refuse() const {
     if (skipped_.size() == 1) throw Error(*failure_);
     throw Error(failure_->code(),
-                fmt::format("none of the {} sessions can tell; the first: {}", skipped_.size(),
+                fmt::format("none of the {} sessions is enough; the first: {}", skipped_.size(),
                             failure_->what_happened()),
                 failure_->where(), failure_->advice());
   }

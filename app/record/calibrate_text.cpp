@@ -63,7 +63,7 @@ std::string words_of(const LatencyResult& result, const RigProfile& before) {
   return line("camera",
               fmt::format("its first byte comes {} after the end of the exposure",
                           ms_text(result.camera_latency_s.value, result.camera_latency_s.uncertainty))) +
-         line("", fmt::format("as the gyro tells time; from {} chess halves", count_text(result.halves))) +
+         line("", fmt::format("against the gyro; from {} half-frames", count_text(result.halves))) +
          line("before", fmt::format("{}, {}", ms_text(link.latency_s, link.latency_uncertainty_s),
                                     origin(link.latency_measured_utc)));
 }
@@ -85,16 +85,15 @@ std::string words_of(const ScaleResult& result, const RigProfile& before) {
 
 std::string words_of(const OrientationResult& result, const RigProfile& before) {
   return line("orientation", turning_text(result.gyro_axis, result.gyro_sign, result.mirrored)) +
-         line("",
-              fmt::format("the axis follows the commands by {:.3f} of 1, the image fits better by {:.0f} %",
-                          result.correlation, 100 * result.contrast)) +
+         line("", fmt::format("correlation with the commanded speed {:.3f}; the image fits {:.0f} % better",
+                              result.correlation, 100 * result.contrast)) +
          line("before",
               fmt::format("{}, {}", turning_text(before.gyro.axis, before.gyro.sign, before.camera.mirrored),
                           origin(before.camera.orientation_measured_utc)));
 }
 
 constexpr double good_pitch = 0.005;  // one standard deviation
-constexpr const char* lens_not_told = "not told by these images: taken as a plain lens has it";
+constexpr const char* lens_not_told = "not measurable in these images: a plain lens is assumed";
 
 /// "-1.30 +- 0.20 deg", of something that may not have been told; what is written, where that is another.
 std::string told_text(const std::optional<Estimate>& told, double unit, int decimals,
@@ -149,7 +148,7 @@ std::string words_of(const LensResult& result, const RigProfile& before) {
          line("tilt", told_text(result.tilt_deg, 1.0, 2, " deg upward")) +
          line("roll", told_text(result.roll_deg, 1.0, 2, " deg, the side of growing angles up")) +
          line("rows", rows_text(result)) +
-         line("", fmt::format("from {} chess halves in {:.0f} degrees of turning", count_text(result.halves),
+         line("", fmt::format("from {} half-frames in {:.0f} degrees of turning", count_text(result.halves),
                               result.turned_deg)) +
          line("gyro's filter", filter_text(result.gyro_delay_s)) + line("before", lens_before(before.camera));
 }

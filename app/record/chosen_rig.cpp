@@ -68,7 +68,7 @@ void check_ports_differ(const RigProfile& profile) {
       throw Error(ExitCode::bad_usage,
                   "the same port is named for " + std::string(name_of(all_devices[i])) + " and " +
                       std::string(name_of(all_devices[k])),
-                  one, "thermorig ports (tells which device is on which port)");
+                  one, "thermorig ports (shows which device is on which port)");
     }
 }
 

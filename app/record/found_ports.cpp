@@ -122,11 +122,9 @@ std::string missing_text(const FoundPorts& found) {
   if (found.missing.empty()) return "";
   const auto is_closed = [](const PortFinding& finding) { return !finding.problem.empty(); };
   const bool any_closed = std::any_of(found.findings.begin(), found.findings.end(), is_closed);
-  const char* advice =
-      any_closed
-          ? "thermorig doctor (says what stands between a port and this program)"
-          : "is it plugged in by a cable that carries data, and does it have power? Of what an unknown "
-            "board sends, `thermorig decode` tells what it may be";
+  const char* advice = any_closed ? "thermorig doctor (says why a port cannot be opened)"
+                                  : "check its power, and that its cable carries data; `thermorig look PORT` "
+                                    "shows what an unknown board sends";
   return fmt::format("\nmissing  {}\n  try: {}\n", joined(found.missing), advice);
 }
 

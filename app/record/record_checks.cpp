@@ -89,7 +89,7 @@ struct Refusal {
 
 Refusal refusal_of(const std::filesystem::path& folder, std::uintmax_t free, std::uint64_t needed) {
   if (!std::filesystem::is_directory(folder))
-    return {"; " + folder.string() + " is no folder", "--output with another folder"};
+    return {"; " + folder.string() + " is not a folder", "--output with another folder"};
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     return {"; it cannot be written", "--output with another folder, or change its permissions"};
   if (free < needed)

@@ -44,7 +44,7 @@ std::string lost_text(const session::Quality& quality) {
 
 std::string journal_text(const RecordingResult& result) {
   return result.session.empty() ? "left as it is: " + printable(result.journal.string())
-                                : "finalised, its bytes are in the session";
+                                : "saved in the session";
 }
 
 /// Speeds without their valid frames or, where the plan has no quota, without their frames.

@@ -135,7 +135,7 @@ rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOu
 
 void require_line(const char* option, const std::string& text, const char* advice) {
   if (text.empty() || recording_header::is_line(text)) return;
-  throw Error(ExitCode::bad_usage, fmt::format("{} is no line of up to 1000 bytes of UTF-8", option), "",
+  throw Error(ExitCode::bad_usage, fmt::format("{} is not a line of up to 1000 bytes of UTF-8", option), "",
               advice);
 }
 

@@ -42,7 +42,7 @@ void mark_pseudo_terminals(rig::RecordingOptions& recording) {
   };
   if (std::none_of(all_devices.begin(), all_devices.end(), is_pseudo)) return;
   recording.simulated = true;
-  recording.simulation = "pseudo terminals, whatever program serves them";
+  recording.simulation = "pseudo terminals, served by another program";
 }
 
 std::unique_ptr<SimulatedPorts> simulated_ports(const simulation::VirtualRigConfig& config,

@@ -31,8 +31,6 @@ namespace {
 
 using rig::SetupStep;
 
-constexpr double shown_s = 3.0;
-
 /// " --simulated=4 ...", as it was typed; nothing of a real rig.
 std::string simulated_words(const RigOptions& options) {
   if (!options.simulated_seed) return "";
@@ -81,33 +79,16 @@ class TerminalSetup : public rig::SetupWorld {
   }
 
   void show(const RigProfile& profile) override {
-    rig::PortOptions options;
-    options.recording = recording_of(profile);
-    std::optional<TimedFrame> frame;
-    std::vector<std::string> lines;
-    bool is_seen = false;
-    options.recording.observe = [&](const Measurement& measurement, HostTime) {
-      frame = measurement.frame;
-      return std::optional<EstimateRow>();
-    };
-    options.progress = [&](const rig::RecordingProgress& progress) {
-      if (!is_seen) lines = status_lines(progress);
-      is_seen = progress.heard_s >= shown_s;
-    };
-    options.orders = [&] {
-      return is_seen ? std::vector<rig::Order>{{rig::OrderKind::stop, "the setup"}}
-                     : std::vector<rig::Order>{};
-    };
-    bool is_stopped = false;
-    options.notice = [&](const std::string&) { is_stopped = true; };  // said of a signal alone
-    const rig::RecordingResult result = rig::record_ports(options);
-    if (is_stopped) throw Error(ExitCode::interrupted, "stopped", "setup", "");
-    if (result.exit != ExitCode::interrupted)
-      throw Error(result.exit, result.message, "setup", result.advice);
+    rig::RecordingOptions recording;
+    recording.environment = calibration_environment;
+    recording.profile = profile;
+    rig::SystemPortLoop loop;
+    const rig::DevicesSeen seen = rig::see_devices(std::move(recording), loop);
+    std::vector<std::string> lines = status_lines(seen.progress);
     lines.resize(std::min<std::size_t>(lines.size(), device_count));
     if (options_.record.json) return print_json({{"event", "devices"}, {"lines", lines}});
-    if (frame && escapes_allowed(stdout))
-      print("{}", half_blocks(frame->frame, profile.camera.mirrored, terminal_colours()));
+    if (seen.frame && escapes_allowed(stdout))
+      print("{}", half_blocks(seen.frame->frame, profile.camera.mirrored, terminal_colours()));
     for (const std::string& line : lines) print("{}\n", line);
     flush_output();
   }
@@ -140,18 +121,17 @@ class TerminalSetup : public rig::SetupWorld {
     if (options_.record.json)
       return print_json({{"event", "question"}, {"text", question}, {"answer", "yes"}});
     if (options_.yes) return say(question + " (--yes)\n");
-    say(question + " [Enter: yes, n: no] ");
+    say(question + "\n[Enter: yes, n: no] ");
     if (const std::string answer = answered();
         !answer.empty() && answer.front() != 'y' && answer.front() != 'Y')
       throw Error(ExitCode::interrupted, "answered with no: nothing was written", "setup",
-                  "mend what is not right, then thermorig setup again");
+                  "fix what is wrong, then thermorig setup again");
   }
 
   void ask_to(const std::string& request) override {
     if (options_.yes)
-      throw Error(ExitCode::device_missing,
-                  request + ": that takes a person, and --yes says that there is none", "setup",
-                  "name the rig's ports: thermorig setup PORT PORT PORT");
+      throw Error(ExitCode::device_missing, request + ": a person has to do that, and --yes was given",
+                  "setup", "name the rig's ports: thermorig setup PORT PORT PORT");
     say(request + ", then press Enter. ");
     answered();
   }
@@ -190,16 +170,6 @@ class TerminalSetup : public rig::SetupWorld {
     return answer;
   }
 
-  rig::RecordingOptions recording_of(const RigProfile& profile) const {
-    rig::RecordingOptions recording;
-    recording.environment = calibration_environment;
-    recording.profile = profile;
-    recording.keep = false;
-    recording.wait_for_start = true;
-    recording.preflight = rig::PreflightMode::warn;
-    return recording;
-  }
-
   const SetupOptions& options_;
   std::vector<std::string> ports_;
 };
@@ -224,7 +194,7 @@ SetupStep step_to_repeat(const session::Quality& quality) {
                        [&](const std::string& reason) { return reason.find(word) != std::string::npos; });
   };
   if (mentions("messages were lost") || mentions("sent nothing")) return SetupStep::ports;
-  if (mentions("shaft") || mentions("disagree")) return SetupStep::servo;
+  if (mentions("shaft") || mentions("servo delay") || mentions("disagree")) return SetupStep::servo;
   return SetupStep::turns;
 }
 
@@ -236,7 +206,7 @@ ExitCode prove(const SetupOptions& options, const RigProfile& profile, TerminalS
   doctor.record.rig = RigOptions();
   doctor.record.rig.profile = options.save;
   if (const ExitCode exit = run(doctor); exit != ExitCode::ok) {
-    world.say("the profile is written; when that is mended  " + world.command_again(SetupStep::session) +
+    world.say("the profile is written; when that is fixed  " + world.command_again(SetupStep::session) +
               "\n");
     return exit;
   }

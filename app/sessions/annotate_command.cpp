@@ -34,7 +34,7 @@ double seconds_in(std::string_view text) {
   const char* const end = text.data() + text.size();
   const auto [at, error] = std::from_chars(text.data(), end, seconds);
   if (error != std::errc() || at != end)
-    refuse_words(fmt::format("--exclude: \"{}\" is no number of seconds", text), "--exclude 12.5..14.0");
+    refuse_words(fmt::format("--exclude: \"{}\" is not a number of seconds", text), "--exclude 12.5..14.0");
   return seconds;
 }
 

@@ -57,7 +57,7 @@ publication::Terms terms_of(const DatasetOptions& options) {
   require_utf8(options);
   const std::string today = io::utc_text(io::now(), io::realtime_offset_ns()).substr(0, 10);
   if (!options.date.empty() && !is_date(options.date))
-    throw Error(ExitCode::bad_usage, "--date is no day of the form 2026-11-23", "", "--date " + today);
+    throw Error(ExitCode::bad_usage, "--date is not a day of the form 2026-11-23", "", "--date " + today);
   return {.title = options.title,
           .description = options.description,
           .licence = options.licence,

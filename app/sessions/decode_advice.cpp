@@ -181,9 +181,8 @@ Advice advice_on_nothing(const DecodeOptions& options, std::span<const std::uint
     return {"", "a longer dump: this one ends within its first message"};
   Advice text = advice_on_text(options, head);
   if (!text.what_to_try.empty()) return text;
-  return {"nothing in them is known",
-          "another baud rate when the dump is taken, or another device: wrong rates give "
-          "bytes without sense"};
+  return {"nothing in these bytes is known",
+          "take the dump at another baud rate (a wrong one gives random bytes), or check the device"};
 }
 
 std::vector<std::string> remarks_on(const DecodeOptions& options, const Recognition& recognition,
@@ -209,7 +208,7 @@ std::vector<std::string> remarks_on(const DecodeOptions& options, const Recognit
                    recognition.text_format->remarks.end());
   else if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
            format && speaks_for_others(*format, options))
-    remarks.push_back("the lines speak for other columns: " + in_one(advice_on_text(options, head)));
+    remarks.push_back("the lines suggest other columns: " + in_one(advice_on_text(options, head)));
   return remarks;
 }
 

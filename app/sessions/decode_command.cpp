@@ -98,7 +98,7 @@ constexpr std::uint64_t usual_lines = 10;
   for (const sensors::GyroSetting& setting : protocol.settings)
     known += fmt::format("{}{}, {} to {}", known.empty() ? "" : "; ", setting.name, setting.min, setting.max);
   throw Error(ExitCode::bad_usage,
-              fmt::format("\"{}\" is no setting of {}, or out of range", word, protocol.name),
+              fmt::format("\"{}\" is not a setting of {}, or out of range", word, protocol.name),
               "--gyro-setting", known.empty() ? "it has none" : "NAME=NUMBER with one of: " + known);
 }
 

@@ -19,7 +19,7 @@ namespace {
 void require_kind(const ExportOptions& options) {
   if (options.c_header || options.batch) return;
   throw Error(
-      ExitCode::bad_usage, "export needs to be told what", "",
+      ExitCode::bad_usage, "what should be exported?", "",
       "of a session --npz, --csv, --tum or --mcap; of a model --c-header for small boards, or --batch 1 for "
       "ONNX with a fixed batch (the model file itself is ONNX with any batch)");
 }
@@ -63,7 +63,7 @@ void print_needs(const BoardNeeds& needs) {
     print("flash     {} B: {} and the code ({})\n", count_text(needs.compiled->flash_bytes), constants,
           printable(needs.compiled->compiler));
   else
-    print("flash     {}, and about 3 kB of code (arm-none-eabi-gcc would tell)\n", constants);
+    print("flash     {}, and about 3 kB of code (install arm-none-eabi-gcc to measure it)\n", constants);
   print("RAM       {} B, and less than 512 B of stack\n", count_text(needs.state_bytes));
 }
 
@@ -73,7 +73,7 @@ void print_words(const ExportOptions& options, const model::Model& model, const 
   for (const NewFile& file : files) print("written   {}\n", printable(file.path.string()));
   if (!options.c_header) return;
   print_needs(needs);
-  print("next      #include \"{}.h\"; docs/export.md tells how\n", name_of(options));
+  print("next      #include \"{}.h\"; docs/export.md says how\n", name_of(options));
 }
 
 void print_object(const ExportOptions& options, const model::Model& model, const std::vector<NewFile>& files,
@@ -105,7 +105,7 @@ void print_object(const ExportOptions& options, const model::Model& model, const
 
 ExitCode run(const ExportOptions& options) {
   if (options.name && !options.c_header)
-    throw Error(ExitCode::bad_usage, "--name is of C sources, and none are asked for", *options.name,
+    throw Error(ExitCode::bad_usage, "--name is for C sources: it needs --c-header", *options.name,
                 "--c-header");
   if (is_of_a_session(options)) return export_session(options);
   require_kind(options);

@@ -25,7 +25,7 @@ void add_c_sources(CLI::App& command, ExportOptions& options) {
 
 /// Which there are, the session says: a name that may be one, and is no file's.
 std::string problem_of_trajectory(const std::string& name) {
-  return name.find_first_of("./") == std::string::npos ? "" : name + " is no name of a trajectory";
+  return name.find_first_of("./") == std::string::npos ? "" : name + " is not a trajectory";
 }
 
 void add_session_forms(CLI::App& command, ExportOptions& options) {

@@ -171,10 +171,10 @@ bool is_of_a_session(const ExportOptions& options) {
 
 ExitCode export_session(const ExportOptions& options) {
   if (options.c_header || options.batch)
-    throw Error(ExitCode::bad_usage, "--c-header and --batch are of models, the other forms of sessions", "",
-                "thermorig export --help");
+    throw Error(ExitCode::bad_usage, "--c-header and --batch are for models, the other forms for sessions",
+                "", "thermorig export --help");
   if ((options.frames || options.reduction) && options.npz.value_or("") != "windows")
-    throw Error(ExitCode::bad_usage, "--nf and --nr say which windows, and there are none", "", "--npz");
+    throw Error(ExitCode::bad_usage, "--nf and --nr are for windows: they need --npz", "", "--npz");
   if (options.output != "-") {
     export_all(options, session_files_at(options.file));
     return ExitCode::ok;

@@ -138,7 +138,7 @@ class Inspection {
 /// well. With --json one array, an object a file.
 ExitCode run(const InspectOptions& options) {
   if (!options.html.empty() && !options.plots.empty())
-    throw Error(ExitCode::bad_usage, "--html and --plots are two questions", "", "ask one after the other");
+    throw Error(ExitCode::bad_usage, "--html and --plots exclude each other", "", "run one, then the other");
   if (!options.html.empty() || !options.plots.empty()) {
     for (const auto& path : options.paths)
       if (names_map(path)) refuse_session_words(options, path);

@@ -126,7 +126,7 @@ std::string verdict_words(const session::Quality& before, const session::Quality
 std::string words_of(const std::filesystem::path& path, const State& before, const State& after) {
   const session::Quality& quality = after.quality;
   std::string text =
-      fmt::format("made again  {}  {} frames\n", printable(path.string()), count_text(quality.frames)) +
+      fmt::format("rebuilt  {}  {} frames\n", printable(path.string()), count_text(quality.frames)) +
       fmt::format("  valid    {} of {} in legs\n",
                   change(count_text(before.quality.valid), count_text(quality.valid)),
                   change(count_text(before.quality.swept), count_text(quality.swept))) +

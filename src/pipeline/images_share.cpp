@@ -82,7 +82,7 @@ labels::ImagesShare images_share(std::span<const TimedFrame> frames, std::span<c
   }
   if (looks == 0) return {{}, "there is no leg with frames"};
   if (shares.size() < fewest_legs || static_cast<double>(told) < told_share * static_cast<double>(looks))
-    return {{}, "the surroundings show too little"};
+    return {{}, "too little image detail"};
   const double share = median(shares);
   const double uncertainty =
       median_scatter * robust_deviation(shares, share) / std::sqrt(static_cast<double>(shares.size()));

@@ -178,7 +178,7 @@ std::optional<Evidence> recognise_dynamixel(Bytes bytes) {
   evidence.settings["bus_id"] = framing.last_id();
   for (const wire::ServoMessage& message : messages)
     if (const auto* welcome = std::get_if<wire::ServoWelcome>(&message.body))
-      evidence.text = fmt::format("firmware {} answered a ping, ID {}", welcome->firmware, welcome->board);
+      evidence.text = fmt::format("servo found (firmware {}, ID {})", welcome->firmware, welcome->board);
   return evidence;
 }
 

@@ -286,7 +286,7 @@ std::string fault_of(EepromWords words) {
 
 Parameters parameters_of(EepromWords words) {
   if (const std::string fault = fault_of(words); !fault.empty())
-    throw Error(ExitCode::bad_usage, "this is no EEPROM of an MLX90640: " + fault, "the camera's EEPROM",
+    throw Error(ExitCode::bad_usage, "this is not an EEPROM of an MLX90640: " + fault, "the camera's EEPROM",
                 "read all 832 words from address 0x2400 on, at 400 kHz or slower");
   return read_parameters(Eeprom(words));
 }

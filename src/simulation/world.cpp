@@ -75,7 +75,7 @@ void set_knob(World& world, std::string_view setting) {
   const std::string_view text = equals == std::string_view::npos ? "" : setting.substr(equals + 1);
   const auto value = number_of(text);
   if (!value || !(*value >= knob.low && *value <= knob.high))
-    refuse_world(fmt::format("\"{}\" is no value of {}", text, knob.name), range);
+    refuse_world(fmt::format("\"{}\" is not a value of {}", text, knob.name), range);
   knob.of(world) = *value;
 }
 

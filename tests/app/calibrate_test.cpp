@@ -84,7 +84,7 @@ TEST_F(Calibrate, LeavesOutSessionsThatCannotTellAndNamesThem) {
   const Outcome outcome = run("calibrate latency --session recordings/calibration/*.h5");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("skipped      recordings/calibration/calibration_acq-02_"));
-  EXPECT_THAT(outcome.out, HasSubstr("the images do not tell how late the camera is"));
+  EXPECT_THAT(outcome.out, HasSubstr("the camera's delay cannot be measured"));
 }
 
 TEST_F(Calibrate, DoesNotPoolSessionsOfDifferentRigs) {
@@ -101,7 +101,7 @@ TEST_F(Calibrate, MakesTheFolderOfProfiles) {
 
 TEST_F(Calibrate, LooksAtTheProfileBeforeItRecords) {
   std::ofstream(folder() / "notes.toml") << "this is no profile";
-  std::ofstream(folder() / "file") << "this is no folder";
+  std::ofstream(folder() / "file") << "this is not a folder";
   for (const std::string dry_run : {"", " --dry-run"}) {
     EXPECT_EQ(run("calibrate bias" + fast + "--save notes.toml" + dry_run).code, 2);
     expect_refused("bias" + fast + "--save file/bench.toml" + dry_run, 7, "cannot be written");
@@ -178,7 +178,7 @@ TEST_F(CalibrateCheck, PrintsALineAConstantAndWritesNoProfile) {
   for (const char* constant : {"gyro scale", "gyro bias", "gyro filter delay", "camera latency",
                                "camera rows", "servo scale", "servo at +200 deg/s", "servo clock wander"})
     EXPECT_THAT(outcome.out, HasSubstr(constant));
-  EXPECT_THAT(outcome.out, HasSubstr("not checked: the profile assumes it: it was never measured"));
+  EXPECT_THAT(outcome.out, HasSubstr("not checked: never measured: the profile assumes it"));
   EXPECT_THAT(outcome.out, HasSubstr("try: thermorig calibrate scale (gyro scale, servo scale)"));
   EXPECT_EQ(profile("bench.toml").camera.link.latency_measured_utc, before.camera.link.latency_measured_utc);
   ASSERT_EQ(files(".h5").size(), 2U);

@@ -122,8 +122,7 @@ TEST_F(EvaluateTest, MakesAStudyOfOneLabelOnly) {
 }
 
 TEST_F(EvaluateTest, AsksForALabelOfAStudyAlone) {
-  EXPECT_THAT(run("evaluate model.onnx recordings --label shaft").err,
-              HasSubstr("--label is that of a study"));
+  EXPECT_THAT(run("evaluate model.onnx recordings --label shaft").err, HasSubstr("--label is for a study"));
   EXPECT_THAT(run(small_study + " --label shft").err, HasSubstr("did you mean \"shaft\"?"));
 }
 
@@ -148,12 +147,12 @@ TEST_F(EvaluateTest, SaysWhereThereIsNoBoundAndRefusesTheWordWhereItMeansNothing
   train();
   const Outcome outcome = run("evaluate model.onnx recordings --bound");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("warning: no bound is known of garden_acq-01"));
+  EXPECT_THAT(outcome.out, HasSubstr("warning: no bound for garden_acq-01"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("in units of the bound")));
-  EXPECT_THAT(run("evaluate model.onnx recordings").out, Not(HasSubstr("no bound is known")));
+  EXPECT_THAT(run("evaluate model.onnx recordings").out, Not(HasSubstr("no bound")));
   const Outcome refused = run("evaluate --live recordings --bound");
   EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("--bound is of a model on sessions"));
+  EXPECT_THAT(refused.err, HasSubstr("--bound is for a model on sessions"));
 }
 
 TEST_F(EvaluateTest, LeavesOutSessionsOfCalibrationsAndBadOnesUnlessTheyAreNamed) {

@@ -102,7 +102,7 @@ TEST_F(LiveMapAtTheEnd, NamesTheMapThatTheDiskRefusesAndHowToMakeItAgain) {
   EXPECT_THAT(kept, HasSubstr(" | " + path("kitchen.map").string() + " | free some space"));
   EXPECT_THAT(kept, HasSubstr("thermorig live --replay kitchen_acq-01.h5 --speed max --map " +
                               path("kitchen.map").string()));
-  EXPECT_THAT(lost, HasSubstr("this run's map is lost: with --record a session is kept"));
+  EXPECT_THAT(lost, HasSubstr("this run's map is lost; --record keeps a session"));
 }
 
 TEST_F(LiveMapAtTheEnd, IsRefusedBeforeItWhereItCouldNotBeWritten) {

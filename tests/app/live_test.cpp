@@ -469,7 +469,7 @@ TEST_F(Live, PutsNoTokenIntoAFileThatOthersMayRead) {
     EXPECT_THAT(text, HasSubstr(state.string())) << "where the address is";
   }
   EXPECT_THAT(own_errors.out,
-              HasSubstr("the address with its token stands on standard error, and under \"url\" in "));
+              HasSubstr("the address with its token is on standard error, and under \"url\" in "));
   for (const std::string& text : {own_errors.err, own_output.out, pipe.out})
     EXPECT_THAT(text, HasSubstr("/#t=" + token));
 }
@@ -550,7 +550,7 @@ class LiveMapFile : public Live {
 
 TEST_F(LiveMapFile, IsWrittenAtTheEndAndBegunWithByTheNextRun) {
   EXPECT_THAT(told_with("--simulated=4"),
-              testing::ElementsAre(HasSubstr("there is none yet"), HasSubstr("written")));
+              testing::ElementsAre(HasSubstr("new; written at the end"), HasSubstr("written")));
   const Outcome described = run("inspect kitchen.map");
   EXPECT_EQ(described.code, 0) << described.err;
   EXPECT_THAT(described.out, HasSubstr("SIMULATED"));

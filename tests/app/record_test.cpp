@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 
 #include "program.h"
 #include "support/hand_clock.h"
 #include "thermorig/rig/sweep/plan.h"
+#include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/simulation/virtual_rig.h"
 
 namespace thermorig::tests {
@@ -56,6 +58,21 @@ TEST_F(Record, TakesACameraWhoseSketchSendsItsImagesAsAnyOther) {
     EXPECT_EQ(run("inspect --check " + session.string()).code, 0) << session;
   }
   EXPECT_EQ(files(".h5").size(), 2U);
+}
+
+/// Of each a session that nothing speaks against.
+TEST_F(Record, TakesEveryCameraAndGyroThatCanBeSimulated) {
+  if (std::getenv("THERMORIG_EVERYTHING") == nullptr) GTEST_SKIP() << "long: tests/nightly.sh runs it";
+  std::vector<std::string> words;
+  for (const std::string_view camera : simulation::camera_kinds())
+    words.push_back("--simulated-camera " + std::string(camera));
+  for (const std::string& gyro : sensors::gyro_names()) words.push_back("--simulated-gyro-protocol " + gyro);
+  for (const std::string& word : words) {
+    const Outcome outcome = run(fast + word + " " + brief_plan);
+    EXPECT_EQ(outcome.code, 0) << word << outcome.err;
+  }
+  EXPECT_EQ(files(".h5").size(), words.size());
+  EXPECT_EQ(run("inspect --check recordings").code, 0);
 }
 
 /// A stick sends each half-frame only when it is asked for one, a bus once it knows the rate.

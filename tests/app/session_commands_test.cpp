@@ -94,7 +94,7 @@ TEST_F(SessionCommands, InspectSaysThatADamagedMapIsOne) {
     write("kitchen.map", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     const Outcome outcome = run("inspect kitchen.map");
     EXPECT_EQ(outcome.code, 8);
-    EXPECT_THAT(outcome.err, HasSubstr("kitchen.map: this is no map of thermorig"));
+    EXPECT_THAT(outcome.err, HasSubstr("kitchen.map: this is not a map of thermorig"));
     EXPECT_THAT(outcome.err, HasSubstr("make it again from a recorded session: thermorig live --replay"));
   }
 }

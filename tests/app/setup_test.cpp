@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The guided first run by the built program. Its steps: tests/rig/setup_test.cpp.
+// The guided first run by the built program. Its steps: tests/rig/setup_test.cpp, and
+// setup_on_ports_test.cpp.
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -39,16 +40,6 @@ TEST_F(SetupCommand, AdvisesTheSameSimulatedRigOnceMore) {
   EXPECT_NE(outcome.code, 0) << outcome.out;
   EXPECT_THAT(outcome.err, HasSubstr("thermorig setup --simulated=4 --world honest --save ./rig.toml\n"));
   EXPECT_FALSE(std::filesystem::exists(folder() / "rig.toml"));
-}
-
-/// From nothing to a session whose verdict is good, on ports and on the clock: a minute and a half.
-TEST_F(SetupCommand, GoesFromNothingToAGoodSession) {
-  if (std::getenv("THERMORIG_EVERYTHING") == nullptr) GTEST_SKIP() << "takes long: tests/nightly.sh runs it";
-  const Outcome outcome = run("setup --simulated=4 --world honest --yes --save ./rig.toml");
-  EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
-  EXPECT_THAT(outcome.out, HasSubstr("verdict  good"));
-  EXPECT_THAT(outcome.out, HasSubstr("the rig is ready"));
-  EXPECT_EQ(files(".toml").size(), 1U);
 }
 
 }  // namespace

@@ -125,7 +125,7 @@ TEST_F(Timing, ARestForACalibrationIsJudgedByItsStreams) {
   const Outcome outcome = run("inspect --timing --check " + session);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("verdict       good"));
-  EXPECT_THAT(outcome.out, HasSubstr("remarks       how late the camera is rests on an assumption"));
+  EXPECT_THAT(outcome.out, HasSubstr("remarks       the camera's delay is assumed"));
 }
 
 TEST_F(Timing, ReprocessTouchesNothingIfOneFileIsNone) {

@@ -353,7 +353,7 @@ TEST_F(Train, SaysWhenTheDiskIsFull) {
 TEST_F(Train, GivesTheSameFileFromMemoryAndFromTheDisk) {
   const Outcome in_memory = run(small + "-o memory.onnx --memory 1000");
   ASSERT_EQ(in_memory.code, 0) << in_memory.err;
-  EXPECT_THAT(in_memory.out, HasSubstr("frames in memory, of which they may take 1.0 GB"));
+  EXPECT_THAT(in_memory.out, HasSubstr("frames in memory (limit 1.0 GB)"));
   const Outcome on_disk = run(small + "-o disk.onnx --memory 0");
   ASSERT_EQ(on_disk.code, 0) << on_disk.err;
   EXPECT_THAT(on_disk.out,

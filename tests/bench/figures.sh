@@ -13,12 +13,12 @@ cd "$(dirname "$0")/../.."
 list() {
   cat <<'LIST'
 thermal_likelihood  | docs/evidence/network_figures.md | tests/bench/thermal_likelihood.sh --first-seed 9001 --json
-export_sizes        | docs/export.md                   | tests/bench/export_sizes.sh
+export_sizes        | docs/evidence/network_figures.md | tests/bench/export_sizes.sh
 hard_typical        | docs/evidence/hard_table.md      | tests/bench/hard_table.sh --only typical --first-seed 10001
 hard_honest         | docs/evidence/hard_table.md      | tests/bench/hard_table.sh --only honest --honest-seeds 60 --first-seed 10101
 live_latency        | docs/evidence/speed.md           | tests/bench/live_latency.sh --json
 live_process        | docs/evidence/speed.md           | tests/bench/live_process.sh --json
-models              | docs/models/README.md            | tests/bench/models.sh --json
+models              | docs/evidence/network_figures.md | tests/bench/models.sh --json
 network_speeds      | docs/evidence/network_figures.md | tests/bench/network_peers.sh --json
 network_differences | docs/evidence/network_figures.md | tests/bench/network_peers.sh --json
 map_table           | docs/evidence/odometer.md        | tests/bench/map_table.sh --first-seed 901 --json

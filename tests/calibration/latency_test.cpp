@@ -65,12 +65,12 @@ TEST(CalibrateLatency, CountsTheShiftThatASessionMadeByItself) {
 
 TEST(CalibrateLatency, SaysWhyASessionDoesNotTell) {
   const session::Session empty;
-  EXPECT_THAT(refusal([&] { measure_latency(empty); }), HasSubstr("do not tell how late the camera is: "));
+  EXPECT_THAT(refusal([&] { measure_latency(empty); }), HasSubstr("the camera's delay cannot be measured: "));
   const auto config = rig_with(1);
   auto rest = plan_for(CalibrationKind::bias, config);
   rest.opening_rest_s = 10.0;
   EXPECT_THAT(refusal([&] { measure_latency(record(config, rest).session); }),
-              HasSubstr("do not tell how late the camera is: "));
+              HasSubstr("the camera's delay cannot be measured: "));
 }
 
 }  // namespace

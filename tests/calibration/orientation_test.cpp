@@ -57,7 +57,7 @@ TEST(CalibrateOrientation, SaysWhyASessionDoesNotTell) {
               HasSubstr("no axis of the gyro turns with the servo"));
   session::Session blind = record(config, plan_for(CalibrationKind::orientation, config)).session;
   for (TimedFrame& frame : blind.frames) frame.frame.temp_c.fill(21.0F);
-  EXPECT_THAT(refusal([&] { measure_orientation(blind); }), HasSubstr("do not tell which way they turn"));
+  EXPECT_THAT(refusal([&] { measure_orientation(blind); }), HasSubstr("direction cannot be measured"));
 }
 
 }  // namespace

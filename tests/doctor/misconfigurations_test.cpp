@@ -276,7 +276,7 @@ TEST(Misconfigurations, TheRulesOfThePackageKeepBrlttyOffAndNeedNoGroup) {
     return *std::find_if(checks.begin(), checks.end(),
                          [&](const Check& check) { return check.name == name; });
   };
-  EXPECT_EQ(named("brltty").result, "it takes no adapter that a rig uses");
+  EXPECT_EQ(named("brltty").result, "it takes no adapter of a rig");
   EXPECT_EQ(named("user").result, "anna may open the ports without being in the group dialout");
   EXPECT_FALSE(named("user").warning);
 }

@@ -165,13 +165,13 @@ std::vector<Misconfiguration> wrong_rigs() {
          });
        },
        "preflight: camera_lost", "frames are missing", "cable", std::nullopt},
-      {"the camera's bridge misses most of the chess halves",
+      {"the camera's bridge misses most of the half-frames",
        [] {
          simulation::VirtualRigConfig config = good_rig();
          config.world.camera.lost_subpages = 0.75;
          return rig_with(config, config.profile, [](SimulatedBus&) {});
        },
-       "preflight: camera_halves", "bridge misses them", "lower frame rate", ExitCode::check_failed},
+       "preflight: camera_halves", "the camera skips", "lower frame rate", ExitCode::check_failed},
       {"the camera sends each frame twice",
        [] {
          return rig_with([](SimulatedBus& bus) {
@@ -196,7 +196,7 @@ std::vector<Misconfiguration> wrong_rigs() {
                });
          });
        },
-       "preflight: camera_fresh", "half of the chess pattern", "frame rate", ExitCode::check_failed},
+       "preflight: camera_fresh", "the odd half-frame", "frame rate", ExitCode::check_failed},
       {"somebody turns the rig",
        [] {
          simulation::VirtualRigConfig config = good_rig();

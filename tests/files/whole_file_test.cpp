@@ -90,8 +90,8 @@ TEST_F(WholeFile, IsNotReadWhereItIsMissingTooLargeOrNoFile) {
             "8: cannot read the model: it has 101 bytes, more than the 100 that are read at most");
   EXPECT_EQ(read(folder_ / "none"), "8: cannot read the model: No such file or directory");
   EXPECT_EQ(read(folder_), "8: cannot read the model: it is a folder");
-  EXPECT_EQ(read(pipe), "8: cannot read the model: it is no regular file but a pipe or a device");
-  EXPECT_EQ(read("/dev/zero"), "8: cannot read the model: it is no regular file but a pipe or a device");
+  EXPECT_EQ(read(pipe), "8: cannot read the model: it is a pipe or a device, not a regular file");
+  EXPECT_EQ(read("/dev/zero"), "8: cannot read the model: it is a pipe or a device, not a regular file");
 }
 
 TEST_F(PartFileName, DoesNotTakeANameThatIsThere) {

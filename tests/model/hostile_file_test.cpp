@@ -191,18 +191,18 @@ const Damage metadata[] = {
      [](EditedFile& f) { f.set_key("label", "rate_shaft"); }},
     {"KeyTwice", "its metadata has 'seed' twice",
      [](EditedFile& f) { *f.file().add_metadata_props() = f.file().metadata_props(12); }},
-    {"EscapeCodes", "its metadata 'data_licence' is no plain text",
+    {"EscapeCodes", "its metadata 'data_licence' is not plain text",
      [](EditedFile& f) { f.set_key("data_licence", "\x1b[2Jfree"); }},
-    {"LineBreak", "is no plain text", [](EditedFile& f) { f.set_key("preset", "best\nlicence: free"); }},
-    {"NoUtf8", "is no plain text", [](EditedFile& f) { f.set_key("preset", "\xc3\x28"); }},
-    {"TurnedText", "is no plain text",
+    {"LineBreak", "is not plain text", [](EditedFile& f) { f.set_key("preset", "best\nlicence: free"); }},
+    {"NoUtf8", "is not plain text", [](EditedFile& f) { f.set_key("preset", "\xc3\x28"); }},
+    {"TurnedText", "is not plain text",
      [](EditedFile& f) {
        f.set_key("preset",
                  "\xe2\x80\xae"
                  "tseb");
      }},
-    {"LongText", "is no plain text", [](EditedFile& f) { f.set_key("preset", std::string(1001, 'x')); }},
-    {"EscapeCodesInAKey", "its metadata '?[2J' is no plain text",
+    {"LongText", "is not plain text", [](EditedFile& f) { f.set_key("preset", std::string(1001, 'x')); }},
+    {"EscapeCodesInAKey", "its metadata '?[2J' is not plain text",
      [](EditedFile& f) { f.set_key("\x1b[2J", ""); }},
     {"DataWithoutHash", "is not a hash and a name",
      [](EditedFile& f) { f.set_key("training_data_2", "garden"); }},
@@ -233,9 +233,9 @@ TEST(OtherBytes, AreNamedWhereTheyAreKnown) {
   EXPECT_THAT(refusal_of(std::string("PK\x03\x04 rest")), testing::HasSubstr("torch.onnx.export"));
   EXPECT_THAT(refusal_of("version https://git-lfs.github.com/spec/v1\noid sha256:01\nsize 9\n"),
               testing::HasSubstr("git lfs pull"));
-  EXPECT_THAT(refusal_of("#!/bin/sh\nexit 0\n"), testing::StartsWith("it is no ONNX file"));
-  EXPECT_THAT(refusal_of(std::string(1000, '\0')), testing::StartsWith("it is no ONNX file"));
-  EXPECT_THAT(refusal_of(std::string(1000, '\xff')), testing::StartsWith("it is no ONNX file"));
+  EXPECT_THAT(refusal_of("#!/bin/sh\nexit 0\n"), testing::StartsWith("it is not an ONNX file"));
+  EXPECT_THAT(refusal_of(std::string(1000, '\0')), testing::StartsWith("it is not an ONNX file"));
+  EXPECT_THAT(refusal_of(std::string(1000, '\xff')), testing::StartsWith("it is not an ONNX file"));
 }
 
 TEST(TruncatedFile, IsRefusedAtEveryLength) {

@@ -220,7 +220,7 @@ TEST(CameraOffset, IsNotMadeUpBeforeABlindWall) {
   make_wall(turning, 0.6F);
   const CameraOffset found = offset_of(turning);
   EXPECT_FALSE(found.offset_s);
-  EXPECT_NE(found.why_not.find("show too little"), std::string::npos) << found.why_not;
+  EXPECT_NE(found.why_not.find("too little image detail"), std::string::npos) << found.why_not;
 }
 
 }  // namespace

@@ -139,7 +139,7 @@ TEST(GyroScale, IsNotToldBeforeABlindWall) {
   make_wall(turning, 0.6F);
   const TurnResult found = scale_of(turning);
   EXPECT_FALSE(found.gyro_scale);
-  EXPECT_NE(found.why_not.find("show too little"), std::string::npos) << found.why_not;
+  EXPECT_NE(found.why_not.find("too little image detail"), std::string::npos) << found.why_not;
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ TEST(Orientation, IsNotToldAtRestNorBeforeABlindWall) {
   make_wall(wall, 0.6F);
   const Orientation blind = orientation(wall.frames, wall.gyro, {}, wall.errors);
   EXPECT_FALSE(blind.mirrored);
-  EXPECT_NE(blind.why_not.find("show too little"), std::string::npos) << blind.why_not;
+  EXPECT_NE(blind.why_not.find("too little image detail"), std::string::npos) << blind.why_not;
 }
 
 TEST(NewerHalf, IsRightInEverySeed) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "made_results.h"
@@ -17,7 +20,8 @@ using ::testing::Key;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-const std::string hostile = "[</svg><script>alert(1)</script> 5 % & $x_1$ {\\input} ~^# 3 \u00b0 \"\xff";
+const std::string hostile =
+    "[</svg><script>alert(1)</script> 5 % & $x_1$ {\\input} ~^# 3 \u00b0 \"\xff \u03b1\u00fc";
 
 std::map<std::string, std::string> files_of(std::vector<report::PlotFile> files) {
   std::map<std::string, std::string> by_name;
@@ -68,8 +72,30 @@ TEST_F(Plots, HoldNoMarkupOfNames) {
   EXPECT_THAT(files.at("table-drift.tex"),
               AllOf(HasSubstr("\n{[}$<$/svg$>$$<$script"), Not(HasSubstr("\\\\\n[")),
                     HasSubstr("5 \\% \\& \\$x\\_1\\$ \\{\\textbackslash{}input\\} "
-                              "\\textasciitilde{}\\^{}\\# 3 $^\\circ$ ''")));
+                              "\\textasciitilde{}\\^{}\\# 3 $^\\circ$ ''? ?\u00fc")));
   EXPECT_THAT(files.at("table-drift.csv"), HasSubstr("\"[</svg>"));
+}
+
+TEST_F(Plots, AreCompiledByLatex) {
+  if (std::system("pdflatex --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "bash app/setup.sh latex";
+  std::string name = (std::filesystem::temp_directory_path() / "thermorig-latex-XXXXXX").string();
+  ASSERT_NE(mkdtemp(name.data()), nullptr);
+  const std::filesystem::path folder = name;
+  std::ofstream document(folder / "all.tex");
+  document << "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n";
+  for (const auto& [file, text] : files) {
+    if (!file.ends_with(".tex")) continue;
+    std::ofstream(folder / file) << text;
+    document << "\\input{" << file << "}\\clearpage\n";
+  }
+  document << "\\end{document}\n";
+  document.close();
+  EXPECT_EQ(std::system(("cd " + name +
+                         " && pdflatex -draftmode -interaction=nonstopmode -halt-on-error all >said.txt 2>&1")
+                            .c_str()),
+            0)
+      << std::ifstream(folder / "all.log").rdbuf();
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -201,7 +201,7 @@ TEST(Replugged, OneWhosePlugIsLooseDoesNotHoldItUpForEver) {
   run.options.recording.plan.frames_per_leg = 40;  // no leg ends between
   run.go();
   EXPECT_EQ(run.result.exit, ExitCode::device_lost);
-  EXPECT_THAT(run.result.message, HasSubstr("without a leg being finished"));
+  EXPECT_THAT(run.result.message, HasSubstr("before a leg was finished"));
   EXPECT_LT(run.result.duration_s, 40.0);
 }
 

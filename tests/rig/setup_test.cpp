@@ -29,6 +29,10 @@ class VirtualWorld : public SetupWorld {
  public:
   explicit VirtualWorld(const simulation::VirtualRigConfig& config) : ports(config) {
     for (const Device device : all_devices) paths.push_back(ports.paths()[device]);
+    ports.add([this] {
+      if (strikes_at && ports.now() >= *strikes_at) strike();
+      return std::vector<std::uint8_t>();
+    });
   }
 
   std::vector<PortFinding> listen() override {
@@ -36,22 +40,26 @@ class VirtualWorld : public SetupWorld {
     for (const std::string& path : paths) infos.push_back({.path = path});
     return identify_devices(infos, ports);
   }
-  void show(const RigProfile&) override {}
+  void show(const RigProfile& profile) override {
+    seen = see_devices({.environment = "kitchen", .profile = profile}, ports);
+  }
   session::Session record(const RigProfile& profile, const SweepPlan& plan) override {
     PortOptions options{.recording = recording_options(folder, profile, plan)};
     options.progress_period = std::chrono::milliseconds(50);
-    options.progress = [this, is_struck = ++recordings != struck_recording](const auto& progress) mutable {
-      if (is_struck || progress.sweep.phase != SweepPhase::leg || progress.sweep.frames < 4) return;
-      is_struck = true;
-      struck = ports.now();
-      strikes();
+    options.progress = [this](const RecordingProgress& progress) {
+      if (step == struck_step && progress.sweep.phase == SweepPhase::leg && progress.sweep.frames >= 4)
+        strike();
     };
     const RecordingResult result = record_ports(options, ports);
     if (result.exit != ExitCode::ok && result.exit != ExitCode::finished_lossy)
       throw Error(result.exit, result.message, "setup", result.advice);
     return session::read_session(result.session);
   }
-  void begin(SetupStep) override {}
+  void begin(SetupStep begun) override {
+    step = begun;
+    constexpr auto at_work = std::chrono::milliseconds(2500);
+    if (step == struck_step && step <= SetupStep::look) strikes_at = ports.now() + at_work;
+  }
   void say(const std::string& text) override { said += text; }
   void confirm(const std::string& question) override {
     if (++confirmed == says_no_at) throw Error(ExitCode::interrupted, "answered with no", "", "");
@@ -74,9 +82,20 @@ class VirtualWorld : public SetupWorld {
   std::string said;
   int confirmed = 0, says_no_at = 0;
   std::function<void()> does_as_asked;
-  int recordings = 0, struck_recording = 0;  // 0: none is struck
-  std::function<void()> strikes;             // while the servo moves
+  DevicesSeen seen;
+  SetupStep step{};
+  std::optional<SetupStep> struck_step;  // once: in the midst of it, while the servo moves if it does
+  std::function<void()> strikes;
+  std::optional<HostTime> strikes_at;
   HostTime struck;
+
+ private:
+  void strike() {
+    struck_step.reset();
+    strikes_at.reset();
+    struck = ports.now();
+    strikes();
+  }
 };
 
 std::optional<Error> error_of(const std::function<void()>& does) {
@@ -186,33 +205,48 @@ const Interruption interruptions[] = {{"CtrlC", [] { std::raise(SIGINT); }},
                                       {"HungUp", [] { std::raise(SIGHUP); }},
                                       {"Killed", [] { throw Killed(); }}};
 
-class InterruptedSetup : public ::testing::TestWithParam<std::tuple<Interruption, int>> {};
+struct Moment {
+  const char* name;
+  SetupStep step;
+};
+
+const Moment moments[] = {{"WhileItListens", SetupStep::ports},
+                          {"WhileItShowsTheDevices", SetupStep::look},
+                          {"WhileTheServoIsTried", SetupStep::servo},
+                          {"WhileItTurns", SetupStep::turns},
+                          {"WhileItRecordsItsSession", SetupStep::session}};
+
+class InterruptedSetup : public ::testing::TestWithParam<std::tuple<Interruption, Moment>> {};
 
 INSTANTIATE_TEST_SUITE_P(By, InterruptedSetup,
-                         ::testing::Combine(::testing::ValuesIn(interruptions), ::testing::Values(1, 2)),
+                         ::testing::Combine(::testing::ValuesIn(interruptions), ::testing::ValuesIn(moments)),
                          [](const auto& test) {
-                           return std::string(std::get<0>(test.param).name) +
-                                  (std::get<1>(test.param) == 1 ? "WhileTheServoIsTried" : "WhileItTurns");
+                           return std::string(std::get<0>(test.param).name) + std::get<1>(test.param).name;
                          });
 
 TEST_P(InterruptedSetup, LeavesTheServoAtRestAndTheOldProfile) {
-  VirtualWorld world(simulation::default_rig(1, "kitchen"));
+  const auto& [interruption, moment] = GetParam();
+  const simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
+  VirtualWorld world(config);
   const auto path = world.folder.path() / "rig.toml";
-  RigProfile old;
+  RigProfile old = config.profile;
   old.name = "old";
+  for (const Device device : all_devices) old.link(device).port = world.ports.paths()[device];
   write_profile(path, old);
-  world.strikes = std::get<0>(GetParam()).strikes;
-  world.struck_recording = std::get<1>(GetParam());
+  world.strikes = interruption.strikes;
+  world.struck_step = moment.step;
   bool was_killed = false;
   try {
-    set_up(path, SetupStep::ports, world);
+    const RigProfile profile = set_up(path, moment.step, world);
+    world.begin(SetupStep::session);  // the last step is the caller's
+    world.record(profile, load_plan("quick", "kitchen", 1, {}));
     FAIL() << "nothing ended it";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::interrupted);
   } catch (const Killed&) {
     was_killed = true;
   }
-  EXPECT_EQ(was_killed, std::string_view(std::get<0>(GetParam()).name) == "Killed");
+  EXPECT_EQ(was_killed, std::string_view(interruption.name) == "Killed");
   world.ports.let_pass(std::chrono::seconds(1));
   double before_dps = 0.0, after_dps = 0.0;
   for (const simulation::TruthSample& sample : world.ports.rig().shaft()) {
@@ -221,7 +255,7 @@ TEST_P(InterruptedSetup, LeavesTheServoAtRestAndTheOldProfile) {
                                                                        : nullptr;
     if (fastest != nullptr) *fastest = std::max(*fastest, std::abs(sample.rate_dps));
   }
-  EXPECT_GT(before_dps, 5.0);
+  EXPECT_EQ(before_dps > 5.0, moment.step >= SetupStep::servo) << before_dps;
   EXPECT_LT(after_dps, 1.0);
   EXPECT_EQ(profile_text(read_profile(path)), profile_text(old));
 }

@@ -327,7 +327,7 @@ TEST(Verdict, OfAGyroThatHidesItsBiasStaysGoodWhereEqualSpeedsBothWaysTellIt) {
   session.sync.gyro.bias_dps = Estimate{0.02, 0.04};
   EXPECT_EQ(quality_of(session).verdict, "good");
   EXPECT_THAT(quality_of(session).verdict_reasons,
-              testing::Contains(testing::HasSubstr("both ways tell it as 0.02 +- 0.04 deg/s")));
+              testing::Contains(testing::HasSubstr("from both directions: 0.02 +- 0.04 deg/s")));
   session.sync.gyro.bias_dps->uncertainty = 0.5;  // one direction alone
   EXPECT_EQ(quality_of(session).verdict, "usable");
 }

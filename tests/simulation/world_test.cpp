@@ -157,10 +157,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"hard,gyro.bandwith_hz=20", "no knob \"gyro.bandwith_hz\"",
                             "did you mean \"gyro.bandwidth_hz\"?"},
                     Refusal{"hard,", "no knob \"\"", "one of: "},
-                    Refusal{"hard,servo.damping=2", "\"2\" is no value of servo.damping",
+                    Refusal{"hard,servo.damping=2", "\"2\" is not a value of servo.damping",
                             "a number from 0.3 to 1.2"},
                     Refusal{"hard,gyro.bandwidth_hz=4.9", "\"4.9\"", "a number from 5 to 256 Hz"},
-                    Refusal{"hard,servo.damping", "\"\" is no value", "from 0.3 to 1.2"},
+                    Refusal{"hard,servo.damping", "\"\" is not a value", "from 0.3 to 1.2"},
                     Refusal{"hard,servo.damping=0.5x", "\"0.5x\"", "from 0.3 to 1.2"},
                     Refusal{"hard,servo.damping=nan", "\"nan\"", "from 0.3 to 1.2"}));
 

@@ -64,7 +64,7 @@ TEST(Shard, CountsFromOne) {
 TEST(Shard, IsNothingElse) {
   for (const char* const text :
        {"", "/", "3", "3/", "/8", "3/0", "1/-2", "3 / 8", "3/8/2", "a/b", "1.5/2", "+1/2", "1/99999999999"})
-    EXPECT_THAT(refusal_of(text).what_happened(), HasSubstr("names no part")) << text;
+    EXPECT_THAT(refusal_of(text).what_happened(), HasSubstr("is not a part of a study")) << text;
 }
 
 class JobIds : public SmallStudy {};

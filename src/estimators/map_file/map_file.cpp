@@ -181,7 +181,7 @@ bool is_map(const std::filesystem::path& path) {
 }
 
 StoredMap map_from(std::string_view bytes, const std::string& where) {
-  if (!begins_as_map(bytes)) refuse("this is no map of thermorig", where);
+  if (!begins_as_map(bytes)) refuse("this is not a map of thermorig", where);
   const bool has_plain_lens = bytes.starts_with(magic);
   if (!has_plain_lens && !bytes.starts_with(magic_of_lens))
     refuse("the map is of another version of thermorig", where);

@@ -248,11 +248,11 @@ LensAnswer fit_lens(std::span<const TimedFrame> frames, std::span<const TimedGyr
   if (sweep.halves.size() < fewest_fitted)
     return {
         {},
-        "there are only " + std::to_string(sweep.halves.size()) + " chess halves from the first motion on"};
+        "there are only " + std::to_string(sweep.halves.size()) + " half-frames from the first motion on"};
   const auto too_few = [](const Beginning& beginning, std::size_t fewest) -> std::string {
     const std::vector<SweptHalf>& halves = beginning.pass.halves;
     if (halves.size() < fewest)
-      return "only " + std::to_string(halves.size()) + " chess halves were seen at a steady speed below " +
+      return "only " + std::to_string(halves.size()) + " half-frames were seen at a steady speed below " +
              std::to_string(std::lround(fastest_dps)) + " deg/s and fit what was seen before";
     if (turned_deg(halves) < least_turned_deg)
       return "the rig turned through " + std::to_string(std::lround(turned_deg(halves))) +

@@ -137,7 +137,7 @@ void PartFile::take_access_of(const ReplacedFile& file) {
   const int refused = disk_.copy_access(file.file_->get(), file_);
   if (refused != 0)
     throw Error(ExitCode::no_permission,
-                fmt::format("who may read {} cannot be kept: {}", noun_, std::strerror(refused)),
+                fmt::format("the permissions of {} cannot be kept: {}", noun_, std::strerror(refused)),
                 file.path_.string(), "ask its owner to do it (ls -l), or work on a copy");
 }
 

@@ -31,7 +31,7 @@ class SourceFile {
     struct stat info {};
     if (::fstat(descriptor_.get(), &info) != 0) refuse(std::strerror(errno));
     if (S_ISDIR(info.st_mode)) refuse("it is a folder");
-    if (!S_ISREG(info.st_mode)) refuse("it is no regular file but a pipe or a device");
+    if (!S_ISREG(info.st_mode)) refuse("it is a pipe or a device, not a regular file");
     if (static_cast<std::uint64_t>(info.st_size) > bytes_max)
       refuse(fmt::format("it has {} bytes, more than the {} that are read at most", info.st_size, bytes_max));
     return static_cast<std::size_t>(info.st_size);

@@ -103,7 +103,7 @@ std::optional<Refusal> refusal_of(error_code error) {
   if (error == http::error::body_limit) return Refusal{413, "the request's body is too long"};
   if (error == http::error::end_of_stream || error == http::error::partial_message) return std::nullopt;
   if (error.category() == make_error_code(http::error::bad_method).category())
-    return Refusal{400, "this is no HTTP request"};
+    return Refusal{400, "this is not an HTTP request"};
   return std::nullopt;
 }
 

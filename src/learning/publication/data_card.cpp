@@ -155,9 +155,9 @@ std::string card_text(const Terms& terms, const std::vector<Entry>& entries) {
   for (const std::string& author : terms.authors) authors.push_back(plain(author));
   std::string text = fmt::format("# {}\n\n{}\n\n", plain(terms.title), plain(description_of(terms, entries)));
   text += fmt::format(
-      "Version {}, {}. Licence: {}. By {}. How to cite: `CITATION.cff`.\n\n", plain(terms.version),
+      "Version {}, {}. Licence: {}. Authors: {}. How to cite: `CITATION.cff`.\n\n", plain(terms.version),
       plain(terms.date), licence.empty() ? "**not stated**" : plain(licence),
-      authors.empty() ? "authors who are not stated" : fmt::format("{}", fmt::join(authors, ", ")));
+      authors.empty() ? "not given (use --author)" : fmt::format("{}", fmt::join(authors, ", ")));
   text += fmt::format("## Simulated or real\n\n{}\n\n## Where\n\n{}\n## With what\n\n{}\n## Files\n\n{}\n",
                       origin_section(totals), environments_section(entries), rigs_section(entries),
                       use_section(totals));

@@ -49,7 +49,7 @@ Descriptor open_folder(const fs::path& folder) {
 }  // namespace
 
 std::vector<FolderPath> sessions_in(const fs::path& folder) {
-  std::error_code hidden;  // what is no folder, whatever it is
+  std::error_code hidden;  // what is not a folder, whatever it is
   if (!fs::is_directory(folder, hidden))
     throw Error(ExitCode::bad_usage, "is no folder", folder.string(), "name the folder of the data set");
   std::vector<FolderPath> found;

@@ -22,7 +22,7 @@ constexpr std::size_t digits = 64;
 constexpr std::size_t bytes_max = 64U << 20U;
 
 [[noreturn]] void refuse_sums(const fs::path& path, const std::string& line) {
-  throw Error(ExitCode::not_a_session, fmt::format("is no list of check sums, by its line \"{}\"", line),
+  throw Error(ExitCode::not_a_session, fmt::format("is not a list of check sums, by its line \"{}\"", line),
               path.string(), "take it from where the data set came from");
 }
 
@@ -103,7 +103,7 @@ std::vector<Difference> verify(const fs::path& folder) {
     if (std::string change = change_of(folder, path, sum); !change.empty())
       differences.push_back({path, std::move(change)});
     else if (!paths.contains(path))
-      differences.push_back({path, "is no session and no description, and not of the data set"});
+      differences.push_back({path, "is neither a session nor a description of the data set"});
   for (const std::string& path : paths)
     if (!sums.contains(path)) differences.push_back({path, unlisted_text(path)});
   return differences;

@@ -40,6 +40,11 @@ const std::map<std::string, std::string, std::less<>> latex_of{{"\\", "\\textbac
                                                                {"\u00a0", "~"},
                                                                {"\u2212", "$-$"}};
 
+/// Letters of Latin-1: what a document without further packages takes beside ASCII.
+bool is_known_to_latex(const std::string& one) {
+  return one.size() == 1 || (one.size() == 2 && one[0] == '\xC3');
+}
+
 std::string latex_text(const std::string& text) {
   const std::string plain = clean(text);
   std::string out;
@@ -49,7 +54,7 @@ std::string latex_text(const std::string& text) {
       ++size;
     const std::string one = plain.substr(at, size);
     const auto found = latex_of.find(one);
-    out += found == latex_of.end() ? one : found->second;
+    out += found != latex_of.end() ? found->second : is_known_to_latex(one) ? one : "?";
     at += size;
   }
   return out;

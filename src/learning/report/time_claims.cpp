@@ -53,8 +53,7 @@ Claim drift_claim(const StudyView& view) {
   claim.evidence = "median |drift| over folds, deg/min: " + drift_text(view, fusion_name);
   for (const std::string& name : view.baselines) claim.evidence += "; " + drift_text(view, name);
   claim.evidence +=
-      ". It is said to hold where fusion drifts at most a tenth as fast as the gyro, in part where it is "
-      "only slower";
+      ". It holds where fusion drifts at most a tenth as fast as the gyro, partly where it is only slower";
   return claim;
 }
 

@@ -44,7 +44,7 @@ Shard shard_from(std::string_view text) {
   const auto count = slash == std::string_view::npos ? std::nullopt : count_from(text.substr(slash + 1));
   constexpr const char* example = "--shard 1/8 to --shard 8/8; for an array of Slurm: --array=1-8";
   if (!index || !count || *count < 1)
-    throw Error(ExitCode::bad_usage, fmt::format("\"{}\" names no part of a study", text), "", example);
+    throw Error(ExitCode::bad_usage, fmt::format("\"{}\" is not a part of a study", text), "", example);
   if (*index < 1 || *index > *count)
     throw Error(ExitCode::bad_usage,
                 fmt::format("there is no part {} of {}: they count from 1", *index, *count), "", example);

@@ -99,7 +99,7 @@ std::vector<std::pair<std::string, std::string>> metadata_of(const Model& model)
 Metadata::Metadata(const std::vector<std::pair<std::string, std::string>>& entries) {
   for (const auto& [key, value] : entries) {
     if (!is_plain_text(key) || !is_plain_text(value))
-      throw Refusal(fmt::format("its metadata {} is no plain text", in_quotes(key)));
+      throw Refusal(fmt::format("its metadata {} is not plain text", in_quotes(key)));
     if (!entries_.emplace(key, value).second)
       throw Refusal(fmt::format("its metadata has {} twice", in_quotes(key)));
   }

@@ -46,7 +46,8 @@ onnx::ModelProto parse(std::span<const std::uint8_t> bytes) {
   const google::protobuf::LogSilencer silencer;
   onnx::ModelProto file;
   if (!file.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
-    throw Refusal("it is no ONNX file, a damaged one, or one that was cut off", "copy or export it again");
+    throw Refusal("it is not an ONNX file, a damaged one, or one that was cut off",
+                  "copy or export it again");
   const onnx::GraphProto& graph = file.graph();
   if (file.functions_size() + file.training_info_size() + graph.quantization_annotation_size() +
           graph.sparse_initializer_size() >
@@ -58,7 +59,7 @@ onnx::ModelProto parse(std::span<const std::uint8_t> bytes) {
 /// From opset 9 on (2018) the operators of this network mean what they mean today; 22 is the newest at the
 /// time of writing.
 void check_versions(const onnx::ModelProto& file) {
-  if (!file.has_graph()) throw Refusal("it is no ONNX file: it has no graph");
+  if (!file.has_graph()) throw Refusal("it is not an ONNX file: it has no graph");
   int standard = 0;
   for (const auto& set : file.opset_import()) {
     if (!set.domain().empty() && set.domain() != "ai.onnx") continue;

@@ -187,8 +187,7 @@ CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const T
     telling.push_back(std::move(window));
   }
   if (told.empty()) {
-    result.why_not =
-        "the surroundings show too little that could be recognised, or they do not turn with the gyro";
+    result.why_not = "too little image detail, or the images do not turn with the gyro";
     return result;
   }
   result.offset_s = weighted_mean(told);

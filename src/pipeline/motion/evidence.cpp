@@ -84,8 +84,8 @@ Evidence gather(std::span<const TimedFrame> frames, std::span<const TimedGyro> g
   if (!evidence.track.path().has_begun())
     evidence.why_not = "there is no gyro";
   else if (evidence.halves.size() < fewest_halves)
-    evidence.why_not = "only " + std::to_string(evidence.halves.size()) +
-                       " fresh chess halves of images have a gyro around them";
+    evidence.why_not =
+        "only " + std::to_string(evidence.halves.size()) + " half-frames have a gyro around them";
   return evidence;
 }
 

@@ -291,7 +291,7 @@ TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedG
     result.why_not = "no turn closes: the rig turned through " +
                      std::to_string(std::lround(result.turned_deg)) + " of 360 degrees";
   else
-    result.why_not = "the surroundings show too little where the turn closes";
+    result.why_not = "too little image detail where the turn closes";
   return result;
 }
 

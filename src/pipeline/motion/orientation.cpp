@@ -58,7 +58,7 @@ Orientation orientation(std::span<const TimedFrame> frames, std::span<const Time
   if (contest.empty())
     result.why_not = "too few images were taken while the rig turned";
   else if (std::abs(contest.lead()) < clear_lead)
-    result.why_not = "mirrored or not, the images fit equally well: the surroundings show too little";
+    result.why_not = "mirrored or not, the images fit equally well: too little image detail";
   else
     result.mirrored = contest.lead() > 0.0;
   return result;

@@ -52,7 +52,7 @@ struct Rule {
   double least_uncertainty = 0;  // of the session's
   double worst_uncertainty = 0;
   std::string cause;  // of a contradiction
-  std::string unclear = "so short a session does not tell it well enough";
+  std::string unclear = "session too short";
   std::string command;  // that measures it again
 };
 
@@ -66,7 +66,7 @@ CheckedConstant judged(CheckedConstant constant, const Rule& rule) {
     constant.why = rule.cause;
     constant.advice = rule.command;
   } else if (!rule.measured) {
-    return not_checked(std::move(constant), "the profile assumes it: it was never measured", rule.command);
+    return not_checked(std::move(constant), "never measured: the profile assumes it", rule.command);
   } else {
     constant.verdict = ConstantVerdict::holds;
   }
@@ -171,10 +171,9 @@ std::string latency_cause(const session::Session& session) {
 }
 
 std::string unclear_latency(const CameraOffset& offset) {
-  return are_rows_apart(offset)
-             ? "the camera reads its rows one after the other: so short a session does not "
-               "tell when the middle ones are read"
-             : Rule().unclear;
+  return are_rows_apart(offset) ? "the camera reads its rows one after the other: this session is too short "
+                                  "to measure the middle ones"
+                                : Rule().unclear;
 }
 
 CheckedConstant camera_latency_of(const session::Session& session) {
@@ -185,7 +184,7 @@ CheckedConstant camera_latency_of(const session::Session& session) {
                            .unit = "s",
                            .profile = Estimate{link.latency_s, latency_uncertainty_s(camera)}};
   if (!offset.offset_s)
-    return not_checked(std::move(constant), "the images do not tell: " + offset.why_not,
+    return not_checked(std::move(constant), "not measured: " + offset.why_not,
                        "point the camera at something with warm and cold edges");
   constant.session = Estimate{link.latency_s + offset.offset_s->value,
                               std::hypot(offset.offset_s->uncertainty, filter_scatter_s(session.sync.gyro))};
@@ -245,19 +244,16 @@ CheckedConstant servo_scale_of(const session::Session& session) {
   const auto is_strayed = [](const ServoResponse::AtSpeed& speed) { return speed.contradicts; };
   if (!servo.fitted && std::any_of(servo.speeds.begin(), servo.speeds.end(), is_strayed))
     return not_checked(std::move(constant), "the shaft does not turn as commanded at all speeds", "");
-  if (!servo.fitted)
-    return not_checked(std::move(constant), "how the shaft follows the servo's pulses could not be fitted",
-                       calibrate_scale);
+  if (!servo.fitted) return not_checked(std::move(constant), "servo delay not measured", calibrate_scale);
   const double by_gyro = servo.gyro_ratio.value * gyro.scale.uncertainty / std::max(gyro.scale.value, 1e-3);
   constant.session = Estimate{servo.gyro_ratio.value, std::hypot(servo.gyro_ratio.uncertainty, by_gyro)};
   return judged(std::move(constant),
                 {.measured = !profile.scale_measured_utc.empty(),
                  .least_uncertainty = least_scale_uncertainty,
                  .worst_uncertainty = worst_scale_uncertainty,
-                 .cause = gyro.scale_by_turns
-                              ? "the shaft turns further or less far than commanded"
-                              : "the shaft turns otherwise than the gyro says: without a whole turn nothing "
-                                "tells whether the servo's scale changed or the gyro's",
+                 .cause = gyro.scale_by_turns ? "the shaft turns further or less far than commanded"
+                                              : "shaft and gyro disagree: only a whole turn shows whether "
+                                                "the servo's scale changed or the gyro's",
                  .command = calibrate_scale});
 }
 
@@ -274,10 +270,9 @@ std::string why_wander_hides(const ClockReport& clock) {
   const double length_s =
       clock.knots.empty() ? 0.0 : to_s(clock.knots.back().time - clock.knots.front().time);
   if (clock.knots.size() < fewest_knots || (is_two_way && length_s < shortest_wander_s))
-    return "so short a session does not show how the clock wanders";
+    return "session too short";
   if (clock.needed_wander_ppm > 0.0 && clock.bound_wander_ppm > 1.5 * clock.needed_wander_ppm)
-    return fmt::format("answers come too late to tell a wander of less than {:.0f} ppm",
-                       clock.bound_wander_ppm);
+    return fmt::format("answers come too late to see a wander below {:.0f} ppm", clock.bound_wander_ppm);
   return "";
 }
 

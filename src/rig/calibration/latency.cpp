@@ -36,7 +36,7 @@ LatencyResult measure_latency(const session::Session& session) {
   const motion::View view{profile.camera.lens_width_deg(), profile.camera.mirrored};
   const CameraOffset left = motion::camera_offset(session.frames, session.gyro, view, session.sync.gyro);
   if (!left.offset_s)
-    throw Error(ExitCode::finished_lossy, "the images do not tell how late the camera is: " + left.why_not,
+    throw Error(ExitCode::finished_lossy, "the camera's delay cannot be measured: " + left.why_not,
                 "calibrate latency", turned_both_ways(session) ? scene_advice : motion_advice);
   const double subtracted_s = session.sync.clock[Device::camera].latency_s;
   const double latency_s = subtracted_s + left.offset_s->value;

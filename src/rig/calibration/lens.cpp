@@ -53,7 +53,7 @@ LensResult measure_lens(const session::Session& session) {
   const odometer::LensAnswer answer =
       odometer::fit_lens(session.frames, session.gyro, gyro_of(session), camera, on_all_cores);
   const auto refuse = [](const std::string& why) {
-    throw Error(ExitCode::finished_lossy, "the images do not tell the lens: " + why, "calibrate lens",
+    throw Error(ExitCode::finished_lossy, "the lens cannot be measured: " + why, "calibrate lens",
                 lens_advice);
   };
   if (!answer.fit) refuse(answer.why_not);

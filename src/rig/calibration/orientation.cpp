@@ -106,7 +106,7 @@ OrientationResult measure_orientation(const session::Session& session) {
       motion::orientation(session.frames, gyro, {camera.lens_width_deg(), camera.mirrored}, errors);
   if (!image.mirrored || !(image.contrast > 0.0))
     refuse_orientation(
-        "the images do not tell which way they turn: " + image.why_not,
+        "the image's direction cannot be measured: " + image.why_not,
         "point the camera at something with warm and cold edges, and see that the lens is free");
   return {.gyro_axis = profile.axis,
           .gyro_sign = profile.sign,

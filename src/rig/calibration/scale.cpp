@@ -61,7 +61,7 @@ ScaleResult measure_scale(const session::Session& session) {
   const motion::TurnResult turn =
       motion::gyro_scale(session.frames, session.gyro, {camera.lens_width_deg(), camera.mirrored}, errors);
   if (!turn.gyro_scale)
-    throw Error(ExitCode::finished_lossy, "the images do not tell the gyro's scale: " + turn.why_not,
+    throw Error(ExitCode::finished_lossy, "the gyro's scale cannot be measured: " + turn.why_not,
                 "calibrate scale",
                 "turn the rig slowly by one turn and a bit more, from rest to rest; or turn it between marks "
                 "with --angle 360 --marks");

@@ -199,6 +199,18 @@ sensors::Evidence unknown_bytes(std::span<const std::uint8_t> bytes) {
           .advice = "its baud rate is right, as it can be read: it needs another sketch or setting"};
 }
 
+/// Throws Error(interrupted) where a signal ends it.
+void run_until_stopped(PortLoop& loop) {
+  bool is_interrupted = false;
+  loop.on_signal([&](int) {
+    is_interrupted = true;
+    loop.stop();
+  });
+  loop.run();
+  if (is_interrupted)
+    throw Error(ExitCode::interrupted, "stopped while it listened: nothing was written", "ports", "");
+}
+
 }  // namespace
 
 Evidence classify(std::span<const std::uint8_t> bytes, double heard_s) {
@@ -229,7 +241,7 @@ std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports
     for (const auto& listener : listeners) listener->tick(now);
     if (std::all_of(listeners.begin(), listeners.end(), [](const auto& l) { return l->done(); })) loop.stop();
   });
-  loop.run();
+  run_until_stopped(loop);
   std::vector<PortFinding> findings;
   for (const auto& listener : listeners) findings.push_back(listener->finding());
   return findings;
@@ -252,7 +264,7 @@ std::optional<PortFinding> hear_hand_turn(PortFinding finding, PortLoop& loop) {
   loop.every(listening_tick, [&](HostTime now) {
     if (to_s(now - begin) >= hand_turn_s) loop.stop();
   });
-  loop.run();
+  run_until_stopped(loop);
   loop.close(port);
   if (!first || !finding.text_format) return std::nullopt;
   const auto turn = sensors::turned_by_hand(bytes, *finding.text_format, to_s(last - *first));

@@ -79,7 +79,7 @@ Check judge_disk(const DiskSpeed& speed, double needed_bytes_per_s) {
     check.advice = advice;
   } else if (speed.sync_s > promised_loss_s) {
     check.warning = true;
-    check.result += "; a loss of power would cost more than 125 ms";
+    check.result += "; a power cut would cost more than 125 ms";
     check.advice = advice;
   }
   return check;

@@ -23,7 +23,7 @@ Check user_check(const HostFacts& facts) {
   const std::string group = facts.serial_group.empty() ? "dialout" : facts.serial_group;
   if (facts.is_root) {
     check.warning = true;
-    check.result = "this is root: nothing protects the system, and the recordings will be root's";
+    check.result = "you are root: mistakes can damage the system, and recordings will be root's";
     check.advice = fmt::format("work as a user of the group {}", group);
   } else if (facts.in_group) {
     check.result = fmt::format("{} is in the group {}", user, group);
@@ -95,7 +95,7 @@ Check access_failure(const PortFacts& port, const HostFacts& facts) {
     check.result += fmt::format(" is held by {}", *port.holder);
     check.advice = "stop that program";
   } else {
-    check.result += " can be opened, nobody that this user can see holds it";
+    check.result += " can be opened and is not in use";
   }
   return check;
 }
@@ -130,8 +130,8 @@ Check no_port() {
   return {.name = "ports",
           .result = "no USB serial port is there: camera, gyro and servo are not plugged in",
           .advice =
-              "plug them in, by cables that carry data and not power alone; thermorig ports then tells "
-              "which is which",
+              "plug them in, by cables that carry data and not power alone; thermorig ports then shows which "
+              "is which",
           .warning = true};
 }
 
@@ -148,7 +148,7 @@ Check braille_check(const HostFacts& facts) {
       " && sudo udevadm control --reload; then unplug the adapter and plug it in again";
   const bool kept_off = facts.braille_kept_off && facts.adapters_without_port.empty();
   if (facts.braille_adapters.empty() || kept_off) {
-    check.result = "it takes no adapter that a rig uses";
+    check.result = "it takes no adapter of a rig";
   } else if (!facts.adapters_without_port.empty()) {
     if (asked_port_is_missing(facts))
       check.code = ExitCode::device_missing;
@@ -173,7 +173,7 @@ Check modem_check(const HostFacts& facts) {
         return port.usb_id.empty() || port.modem_manager_ignores;
       });
   if (!facts.modem_manager) {
-    check.result = "none that this user can see runs";
+    check.result = "not running";
   } else if (all_ignored) {
     check.result = "it runs and leaves these ports alone";
   } else {
@@ -187,8 +187,7 @@ Check modem_check(const HostFacts& facts) {
 }
 
 Check clock_check(const HostFacts& facts) {
-  Check check{.name = "clock",
-              .result = facts.clock_source.empty() ? "not told by the system" : facts.clock_source};
+  Check check{.name = "clock", .result = facts.clock_source.empty() ? "unknown" : facts.clock_source};
   if (facts.clock_source == "jiffies") {
     check.code = ExitCode::failed;
     check.result += ": it steps by 1 to 10 ms, no frame can be timed with it";

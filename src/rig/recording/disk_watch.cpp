@@ -27,8 +27,8 @@ RecordingEvent warning(HostTime now, std::string message) {
 
 std::string when_synced(const SyncPolicy& policy) {
   if (policy.when == SyncWhen::each_frame) return "after each frame";
-  if (policy.when == SyncWhen::end) return "at its end";
-  return fmt::format("within {} ms", to_text(policy));
+  if (policy.when == SyncWhen::end) return "at the end";
+  return fmt::format("every {} ms", to_text(policy));
 }
 
 /// As `doctor` judges a disk; else the sync began late: the computer was busy.
@@ -42,9 +42,8 @@ std::string text_of(const LateSync& late, const SyncPolicy& policy) {
           ? fmt::format("the disk is slow: a sync took {:.0f} ms", to_s(late.lasted) * 1e3)
           : std::string("this computer is busy: a sync ended late");
   return fmt::format(
-      "{}; what was received {:.0f} ms ago is on the disk only now, and a loss of power would "
-      "have cost as much",
-      cause, to_s(late.waited) * 1e3);
+      "{}; what came in the last {:.0f} ms is on the disk only now (a power cut would have lost it)", cause,
+      to_s(late.waited) * 1e3);
 }
 
 }  // namespace
@@ -72,10 +71,9 @@ std::vector<RecordingEvent> DiskWatch::look(HostTime now, const std::optional<La
   if (!next_look_)
     said.push_back(
         {now, EventKind::info, std::nullopt,
-         fmt::format("the disk: the recording is synced {}; {:.1f} MB are {}", when_synced(policy_),
-                     megabytes(journal_.reserved()),
-                     journal_.can_reserve() ? "reserved for it"
-                                            : "expected, and this file system cannot reserve them")});
+         fmt::format(
+             "saved to disk {}; {:.1f} MB {}", when_synced(policy_), megabytes(journal_.reserved()),
+             journal_.can_reserve() ? "reserved" : "expected (this file system cannot reserve them)")});
   if (next_look_ && now < *next_look_) return said;
   next_look_ = now + look_period;
   look_at_reserve(now, said);

@@ -100,8 +100,7 @@ PreflightViolation repeated_frames(const PreflightImages& images, double limit) 
 
 PreflightViolation lost_halves(const PreflightImages& images, double limit) {
   return {"camera_halves", Device::camera,
-          fmt::format("{:.1f} % of the chess halves never come: the camera's bridge misses them",
-                      100.0 * images.lost_half_share),
+          fmt::format("the camera skips {:.1f} % of the half-frames", 100.0 * images.lost_half_share),
           fmt::format("at most {:.0f} %", 100.0 * limit),
           "ask the camera for a lower frame rate, and say it (--camera-rate, output_rate_hz in the "
           "rig profile): its bridge does not keep up with its sensor; no other cable helps"};
@@ -129,13 +128,13 @@ bool is_surely_below(double share, std::uint64_t count, double limit) {
 void judge_images(const PreflightImages& images, const PreflightLimits& limits, Violations& found) {
   const double least_fresh = std::min(images.even_fresh_share, images.odd_fresh_share);
   if (is_surely_below(least_fresh, images.frames, limits.fresh_share))
-    found.push_back({"camera_fresh", Device::camera,
-                     fmt::format("the even and the odd half of the chess pattern are new in {:.0f} % and "
-                                 "{:.0f} % of the frames",
-                                 100.0 * images.even_fresh_share, 100.0 * images.odd_fresh_share),
-                     fmt::format("each in at least {:.0f} %", 100.0 * limits.fresh_share),
-                     "set the camera's frame rate again and switch it off and on; a bridge that sends more "
-                     "often than its sensor measures repeats frames"});
+    found.push_back(
+        {"camera_fresh", Device::camera,
+         fmt::format("the even and the odd half-frame are new in {:.0f} % and {:.0f} % of the frames",
+                     100.0 * images.even_fresh_share, 100.0 * images.odd_fresh_share),
+         fmt::format("each in at least {:.0f} %", 100.0 * limits.fresh_share),
+         "set the camera's frame rate again and switch it off and on; a bridge that sends more "
+         "often than its sensor measures repeats frames"});
   else if (is_surely_above(images.lost_half_share, all_due(images.frames, images.lost_half_share),
                            limits.lost_half_share))
     found.push_back(lost_halves(images, limits.lost_half_share));
@@ -154,9 +153,8 @@ void warn(PreflightViolation warning, std::string consequence, const Violations&
 
 std::string what_missing_frames_do(double limit) {
   return fmt::format(
-      "it is recorded all the same: no window of frames reaches over a loss, the plan takes longer until "
-      "each speed has its frames, and if that goes on the session will be called usable, not good, or bad if "
-      "more than {:.0f} % stay away",
+      "the recording goes on: windows never span gaps, but the plan takes longer; the verdict will be "
+      "usable, or bad if more than {:.0f} % are missing",
       100.0 * limit);
 }
 
@@ -164,7 +162,7 @@ void warn_of_images(const PreflightImages& images, const PreflightLimits& limits
                     Violations& warnings) {
   if (images.repeated_share > limits.repeated_share_bearable)
     warn(repeated_frames(images, limits.repeated_share_bearable),
-         "it is recorded all the same: frames that repeat are not valid", found, warnings);
+         "the recording goes on: repeated frames are not valid", found, warnings);
   if (images.lost_half_share > limits.lost_half_share_bearable)
     warn(lost_halves(images, limits.lost_half_share_bearable), what_missing_frames_do(limits.lost_half_share),
          found, warnings);

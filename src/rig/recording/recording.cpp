@@ -160,9 +160,7 @@ void Recording::Parts::write_to(Device device, const std::vector<std::uint8_t>& 
 void Recording::Parts::begin_when_ready(HostTime now) {
   if (start.has_begun() || end.is_coming() || awaits_any()) return;
   if (has_servo() && commander.greeted() && start.greeted())
-    event({now, EventKind::info, Device::servo,
-           fmt::format("firmware {} answered {}", commander.welcome()->firmware,
-                       sensors::servo_protocol(options.profile.servo.protocol).greeted_as)});
+    event({now, EventKind::info, Device::servo, "servo found: firmware " + commander.welcome()->firmware});
   const bool all_speak = std::all_of(all_devices.begin(), all_devices.end(), [&](Device device) {
     return devices.has_spoken(device) || presence[device].is_done_without();
   });
@@ -201,11 +199,10 @@ PreflightCounts Recording::Parts::counts() const {
 void Recording::Parts::refuse(const PreflightReport& report, HostTime now) {
   const PreflightViolation& first = report.violations.front();
   const std::size_t more = report.violations.size() - 1;
-  end.failure =
-      Error(ExitCode::check_failed,
-            sentence(first) + (more == 0 ? std::string() : fmt::format(" (and {} more)", more)),
-            place_of(first.device, options.profile),
-            first.advice + "; nothing has moved and no file is left (--no-preflight records all the same)");
+  end.failure = Error(ExitCode::check_failed,
+                      sentence(first) + (more == 0 ? std::string() : fmt::format(" (and {} more)", more)),
+                      place_of(first.device, options.profile),
+                      first.advice + "; nothing moved, no file was kept (--no-preflight records anyway)");
   start.refuse();
   sweep.request_stop(now);
 }
@@ -257,7 +254,7 @@ void Recording::mark(const std::string& note, HostTime now) {
 void Recording::allow_start(HostTime now) {
   Parts& parts = *parts_;
   if (!parts.start.allow()) return;
-  parts.event({now, EventKind::info, std::nullopt, "the start was allowed"});
+  parts.event({now, EventKind::info, std::nullopt, "started"});
 }
 
 void Recording::carry_out(const Order& order, HostTime now) {

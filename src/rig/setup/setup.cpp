@@ -14,6 +14,7 @@
 #include "thermorig/rig/calibration/calibration.h"
 #include "thermorig/rig/profile/profile_file.h"
 #include "thermorig/rig/recording/finalise.h"
+#include "thermorig/rig/recording/port_recording.h"
 #include "thermorig/rig/setup/flash.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
@@ -25,6 +26,7 @@ namespace thermorig::rig {
 namespace {
 
 constexpr int most_listenings = 4;
+constexpr double shown_s = 3.0;
 constexpr double gentle_dps = 15.0, firm_dps = 180.0;
 constexpr int gentle_frames = 12;
 constexpr double same_travel = 0.05;   // by which an uncalibrated gyro and servo may differ
@@ -96,7 +98,7 @@ void require_others(const std::vector<PortFinding>& findings) {
       throw Error(closed->code == ExitCode::ok ? ExitCode::device_missing : closed->code,
                   fmt::format("no {} was found, and this port could not be opened: {}", name_of(device),
                               closed->problem),
-                  closed->info.path, "thermorig doctor says what stands in the way");
+                  closed->info.path, "thermorig doctor says why");
     throw Error(ExitCode::device_missing, fmt::format("no {} was found on any port", name_of(device)), "",
                 "check its cable and supply (thermorig look PORT shows what a port sends)");
   }
@@ -238,6 +240,31 @@ SetupState set_up_ports(SetupState state, SetupWorld& world) {
               "thermorig ports shows what is on each; name the rig's: thermorig setup PORT PORT PORT");
 }
 
+DevicesSeen see_devices(RecordingOptions recording, PortLoop& loop) {
+  DevicesSeen seen;
+  bool is_seen = false, is_stopped = false;
+  PortOptions options{.recording = std::move(recording)};
+  options.recording.keep = false;
+  options.recording.wait_for_start = true;
+  options.recording.preflight = PreflightMode::warn;
+  options.recording.observe = [&](const Measurement& measurement, HostTime) {
+    seen.frame = measurement.frame;
+    return std::optional<EstimateRow>();
+  };
+  options.progress = [&](const RecordingProgress& progress) {
+    if (!is_seen) seen.progress = progress;
+    is_seen = progress.heard_s >= shown_s;
+  };
+  options.orders = [&] {
+    return is_seen ? std::vector<Order>{{OrderKind::stop, "the setup"}} : std::vector<Order>{};
+  };
+  options.notice = [&](const std::string&) { is_stopped = true; };  // said of a signal alone
+  const RecordingResult result = record_ports(options, loop);
+  if (is_stopped) throw Error(ExitCode::interrupted, "stopped: nothing was written", "setup", "");
+  if (result.exit != ExitCode::interrupted) throw Error(result.exit, result.message, "setup", result.advice);
+  return seen;
+}
+
 SetupState set_up_look(SetupState state, SetupWorld& world) {
   world.show(state.profile);
   world.confirm("Are these the devices of your rig?");
@@ -283,8 +310,8 @@ SetupState set_up_turns(SetupState state, SetupWorld& world) {
   const SweepPlan plan = setup_turns_plan(state.profile.servo, state.profile.camera);
   const double fastest_dps = *std::max_element(plan.leg_rates_dps.begin(), plan.leg_rates_dps.end());
   world.confirm(
-      fmt::format("The servo now turns there and back for half a minute, at up to {:.0f} deg/s, by up "
-                  "to\n{:.0f} degrees. Is the way free, and does the camera see something warm?",
+      fmt::format("The servo now turns there and back for half a minute, at up to {:.0f} deg/s, by up to "
+                  "{:.0f} degrees. Is the way free, and does the camera see something warm?",
                   fastest_dps, fastest_dps * plan.frames_per_leg / state.profile.camera.output_rate_hz));
   session::Session session = world.record(state.profile, plan);
   if (!state.knows_gyro_axis) {
@@ -327,8 +354,8 @@ SetupState state_before(const std::filesystem::path& path, SetupStep from) {
 }  // namespace
 
 RigProfile set_up(const std::filesystem::path& path, SetupStep from, SetupWorld& world) {
-  using Step = SetupState (*)(SetupState, SetupWorld&);
-  constexpr std::array<Step, 4> steps{set_up_ports, set_up_look, set_up_servo, set_up_turns};
+  using StepTaken = SetupState (*)(SetupState, SetupWorld&);
+  constexpr std::array<StepTaken, 4> steps{set_up_ports, set_up_look, set_up_servo, set_up_turns};
   SetupState state = state_before(path, from);
   if (from == SetupStep::session) return state.profile;
   for (auto step = static_cast<std::size_t>(from); step < steps.size(); ++step) {

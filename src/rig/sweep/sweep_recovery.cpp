@@ -84,8 +84,8 @@ void SweepRecovery::device_went(SweepPhase interrupted, const Error& why) {
   commander_.halt();
   if (++interruptions_ > interruptions_allowed)
     throw Error(ExitCode::device_lost,
-                fmt::format("{}; devices went {} times without a leg being finished between",
-                            why.what_happened(), interruptions_),
+                fmt::format("{}; devices failed {} times before a leg was finished", why.what_happened(),
+                            interruptions_),
                 why.where(), why.advice() + "; look for a loose plug or a weak USB supply");
 }
 

@@ -267,7 +267,7 @@ bool SweepWalker::gives_up(std::size_t step, int frames, HostTime now) {
 void SweepWalker::note_repeat(std::size_t step, HostTime now) {
   ++repeated_;
   event(now, EventKind::leg_repeated,
-        fmt::format("step {} of {} is driven again", step + 1, plan_.leg_rates_dps.size()));
+        fmt::format("repeating step {} of {}", step + 1, plan_.leg_rates_dps.size()));
 }
 
 void SweepWalker::tick_closing_rest(HostTime now) {

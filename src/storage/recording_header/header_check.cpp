@@ -53,10 +53,10 @@ std::optional<std::string> problem_of(const RecordingHeader& header) {
   if (!is_environment_name(header.environment))
     return "the environment's name is not made of 1 to 32 of a-z, 0-9 and '-'";
   if (!header.licence.empty() && !is_line(header.licence))
-    return "the licence of the data is no line of up to 1000 bytes of UTF-8";
+    return "the licence of the data is not a line of up to 1000 bytes of UTF-8";
   for (const std::string& said : {header.operator_name, header.place, header.note})
     if (!said.empty() && !is_line(said))
-      return "its operator, place or note is no line of up to 1000 bytes of UTF-8";
+      return "its operator, place or note is not a line of up to 1000 bytes of UTF-8";
   if (!is_reference(header.time_reference)) return "it counts from a time that no host's clock shows";
   if (header.acquisition < 0 || header.frames_per_leg < 0)
     return "the acquisition number or the frames of a leg are negative";

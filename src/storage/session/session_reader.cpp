@@ -154,7 +154,7 @@ class SessionFile {
     std::string licence = get_text_attribute(id(), "license");
     if (licence.empty() || licence == licence_not_stated) return "";
     if (!recording_header::is_line(licence))
-      refuse(path_, "has an attribute `license` that is no line of up to 1000 bytes of UTF-8");
+      refuse(path_, "has an attribute `license` that is not a line of up to 1000 bytes of UTF-8");
     return licence;
   }
 

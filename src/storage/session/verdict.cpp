@@ -176,7 +176,7 @@ void judge_zeroes(const GyroErrors& gyro, Verdict& verdict) {
   const bool is_told =
       gyro.bias_from_legs && gyro.bias_dps && gyro.bias_dps->uncertainty <= bias_by_legs_usable_dps;
   if (!is_told) return verdict.usable(hidden);
-  verdict.usable_or_remark(false, fmt::format("{}; equal speeds both ways tell it as {:.2f} +- {:.2f} deg/s",
+  verdict.usable_or_remark(false, fmt::format("{}; estimated from both directions: {:.2f} +- {:.2f} deg/s",
                                               hidden, gyro.bias_dps->value, gyro.bias_dps->uncertainty));
 }
 
@@ -232,7 +232,7 @@ void judge_servo(const Session& session, const Quality& quality, Verdict& verdic
         fmt::format("the shaft does not turn as commanded: {}: weak supply, load or servo?", strayed));
   const bool is_fitted_at_all = !session.sync.clock[Device::servo].method.empty();
   if (!servo.fitted && is_fitted_at_all && quality.swept > 0)
-    verdict.usable("how the shaft follows the servo's pulses could not be fitted: labels assume it");
+    verdict.usable("servo delay not measured; default used");
 }
 
 void judge_constants(const Session& session, Verdict& verdict) {

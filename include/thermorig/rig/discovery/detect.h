@@ -50,7 +50,8 @@ struct PortFinding {
 
 /// Listens on all ports at once, at the usual bauds one after another; what is still unknown then is greeted
 /// as a servo board. Within `listen_s` seconds; where nothing was found, other servos are asked for, too,
-/// which takes two thirds longer. A pty has no baud: it is listened to once.
+/// which takes two thirds longer. A pty has no baud: it is listened to once. Throws Error(interrupted) when a
+/// signal asks it to stop.
 std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, double listen_s = 6.0);
 
 /// The same on the ports and the clock of `loop`, which serves nothing else, and is not run again after it.
@@ -61,8 +62,8 @@ std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports
 constexpr double hand_turn_s = 8.0;
 
 /// Listens to a text gyro, of which its lines say too little, while it is turned by hand
-/// (sensors/hand_turn.h): its finding, in which nothing is a guess any more. Nothing if the turn did not tell
-/// it.
+/// (sensors/hand_turn.h): its finding, in which nothing is a guess any more. Nothing if the turn did not show
+/// it. Throws Error(interrupted), as identify_devices() does.
 std::optional<PortFinding> hear_hand_turn(PortFinding finding, PortLoop& loop);
 
 /// The profile with the ports, bauds, protocols and rates that were found. The columns of a text gyro are

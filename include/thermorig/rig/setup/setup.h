@@ -11,6 +11,7 @@
 
 #include "thermorig/core/profile.h"
 #include "thermorig/rig/discovery/detect.h"
+#include "thermorig/rig/recording/recording.h"
 #include "thermorig/rig/sweep/plan.h"
 #include "thermorig/storage/session/session.h"
 
@@ -47,6 +48,17 @@ class SetupWorld {
   /// What to type to do it again, from a step on if the profile is there that knows what comes before.
   virtual std::string command_again(std::optional<SetupStep> from) const = 0;
 };
+
+/// What the devices of a rig sent before a person is asked whether they are the right ones.
+struct DevicesSeen {
+  std::optional<TimedFrame> frame;  // the last one
+  RecordingProgress progress;
+};
+
+/// Opens the profile's ports until all devices have sent for 3 s. `recording` has the profile. Nothing is
+/// kept, and nothing moves. Throws Error: device_missing, no_permission; interrupted when a signal asks it to
+/// stop.
+DevicesSeen see_devices(RecordingOptions recording, PortLoop& loop);
 
 /// What is known of a rig so far.
 struct SetupState {
