@@ -13,7 +13,8 @@ import tempfile
 import numpy as np
 import torch
 
-from fusion_network import FusionNetwork, save_model, training_loss
+from export_samples import trained
+from fusion_network import FusionNetwork, save_onnx, training_loss
 from seeded_values import seeded_batch, seeded_values, seeded_weights
 
 SEED = 100  # as in network_interop.cpp
@@ -124,25 +125,11 @@ def gradient_difference(ours, gradients):
     return worst
 
 
-def trained(frames, reduction, fusion, steps=3):
-    """As somebody does who trains elsewhere."""
-    network = FusionNetwork(frames, reduction, fusion)
-    network.set_weights(seeded_weights(network, SEED))
-    adam = torch.optim.Adam(network.parameters(), lr=1e-3)
-    for step in range(steps):
-        batch = seeded_batch(SEED, step, 8, frames, network.rows, network.columns)
-        adam.zero_grad()
-        training_loss(network, *map(torch.from_numpy, batch)).backward()
-        adam.step()
-    return network
-
-
 def foreign_difference(interop, shape, windows):
-    """A network trained in PyTorch whose weights are put into a model of ours."""
+    """A model trained and exported in PyTorch, read by us."""
     network = trained(*shape)
-    shaped, model, outputs = (interop.folder / name for name in ("shaped.onnx", "foreign.onnx", "outputs.bin"))
-    interop.run("seeded-model", shape[0], shape[1], mode(shape[2]), SEED, shaped)
-    save_model(network, shaped, model)
+    model, outputs = interop.folder / "foreign.onnx", interop.folder / "outputs.bin"
+    save_onnx(network, model)
     interop.run("outputs", model, windows, outputs)
     ours = np.fromfile(outputs, np.float32).reshape(windows, 3)
     frames, gyro, _ = batch_of(network, SEED, 0, windows)
@@ -179,7 +166,7 @@ def measure(program, library, quick):
             "pytorch_loss_paths": (sum(len(row.paths) for row in training), None),
             "pytorch_loss_paths_beyond_limit": (sum(path > LOSS_LIMIT for row in training for path in row.paths), None),
             "pytorch_loss_paths_that_differ_from_themselves": (sum(row.passed_over for row in training), None),
-            "pytorch_weights_output_difference":
+            "pytorch_export_output_difference":
                 (max(foreign_difference(interop, shape, WINDOWS) for shape in every), OUTPUT_LIMIT),
             "model_file_weight_difference": (max(reread_difference(interop, shape) for shape in every), 0.0),
         }

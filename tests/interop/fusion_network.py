@@ -2,7 +2,6 @@
 """The network as a PyTorch module with the names that thermorig's model files have (docs/model_format.md)."""
 import onnx
 import torch
-from onnx import numpy_helper
 from torch import nn
 from torch.nn import functional
 
@@ -61,17 +60,19 @@ def training_loss(network, frames, gyro, label, auxiliary_thermal=0.0):
     return loss
 
 
-def save_model(network, shaped, path, label_scale_dps=200.0, temp_mean_c=25.0, temp_deviation_c=3.0):
-    """As docs/model_format.md says: the network's weights in the place of those of `shaped`, a model of thermorig of the
-    same shape, with the scaling that the network was trained with."""
-    model = onnx.load(str(shaped))
-    weights = network.state_dict()
-    for tensor in model.graph.initializer:
-        if tensor.name in weights:
-            tensor.CopyFrom(numpy_helper.from_array(weights[tensor.name].numpy(), tensor.name))
-    facts = {entry.key: entry.value for entry in model.metadata_props
-             if not entry.key.startswith(("training_data", "held_out_data"))}
-    facts |= {"label_scale_dps": str(label_scale_dps), "temp_mean_c": str(temp_mean_c),
-              "temp_deviation_c": str(temp_deviation_c), "preset": "custom", "label": "", "weights_crc32": ""}
-    onnx.helper.set_model_props(model, facts)
-    onnx.save(model, str(path))
+def save_onnx(network, path, label_scale_dps=200.0, temp_mean_c=25.0, temp_deviation_c=3.0):
+    """As anybody would export it, with the documented names of inputs and outputs and the scaling that the network was
+    trained with."""
+    path = str(path)
+    frames = torch.zeros(1, network.frames, network.rows, network.columns)
+    inputs, outputs = (frames,), ["thermal"]
+    names = ["frames"]
+    if network.fusion:
+        inputs, names = (frames, torch.zeros(1, 1)), ["frames", "gyro"]
+        outputs = ["fusion", "thermal", "gain"]
+    torch.onnx.export(network, inputs, path, input_names=names, output_names=outputs, opset_version=13,
+                      dynamic_axes={name: {0: "N"} for name in names + outputs})
+    model = onnx.load(path)
+    onnx.helper.set_model_props(model, {"label_scale_dps": str(label_scale_dps), "temp_mean_c": str(temp_mean_c),
+                                        "temp_deviation_c": str(temp_deviation_c)})
+    onnx.save(model, path)

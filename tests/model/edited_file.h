@@ -28,8 +28,18 @@ class EditedFile {
   void set(std::string_view output, const std::string& name, std::int64_t value);
   void set(std::string_view output, const std::string& name, const std::vector<std::int64_t>& values);
 
+  /// A node before the one that makes `before`.
+  onnx::NodeProto& insert(std::string_view before, const std::string& operation,
+                          std::initializer_list<std::string> inputs, const std::string& output);
+  void remove_node(std::string_view output);
+  /// Takes `output` out of the graph's way: who used it uses what it was made from.
+  void bypass(std::string_view output);
+
+  void add_integers(const std::string& name, const std::vector<std::int64_t>& values);
   void set_key(const std::string& key, const std::string& value);
   void remove_key(std::string_view key);
+  /// Only the scaling stays, as in a file of somebody else.
+  void keep_scaling_alone();
 
  private:
   int index_of(std::string_view output) const;

@@ -32,6 +32,19 @@ void put_value(EditedFile& file, const char* name, float value) {
   std::memcpy(raw.data() + raw.size() - sizeof value, &value, sizeof value);
 }
 
+void refer_outside(EditedFile& file) {
+  onnx::TensorProto& tensor = file.tensor("speed1.weight");
+  tensor.clear_raw_data();
+  tensor.set_data_location(onnx::TensorProto::EXTERNAL);
+  onnx::StringStringEntryProto& entry = *tensor.add_external_data();
+  entry.set_key("location");
+  entry.set_value("../../etc/passwd");
+}
+
+onnx::TensorShapeProto& frames_shape(EditedFile& file) {
+  return *file.graph().mutable_input(0)->mutable_type()->mutable_tensor_type()->mutable_shape();
+}
+
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr std::int64_t huge = std::numeric_limits<std::int64_t>::max();
@@ -62,7 +75,7 @@ const Damage tensors[] = {
     {"HalfAValue", "has 23 bytes of values",
      [](EditedFile& f) { f.tensor("conv1.bias").mutable_raw_data()->resize(23); }},
     {"NoValues", "has 0 bytes of values", [](EditedFile& f) { f.tensor("conv1.bias").clear_raw_data(); }},
-    {"ValuesTwice", "as raw data", [](EditedFile& f) { f.tensor("conv1.bias").add_float_data(1.0F); }},
+    {"ValuesTwice", "bytes of values", [](EditedFile& f) { f.tensor("conv1.bias").add_float_data(1.0F); }},
     {"Doubles", "is not made of 32-bit floats",
      [](EditedFile& f) { f.tensor("conv1.bias").set_data_type(onnx::TensorProto::DOUBLE); }},
     {"Halves", "is not made of 32-bit floats",
@@ -71,16 +84,78 @@ const Damage tensors[] = {
      [](EditedFile& f) { f.tensor("conv1.bias").set_data_type(onnx::TensorProto::INT32); }},
     {"UnknownType", "is not made of 32-bit floats",
      [](EditedFile& f) { f.tensor("conv1.bias").set_data_type(12345); }},
-    {"External", "'speed1.weight' has 0 bytes of values",
+    {"External", "the values of 'speed1.weight' lie in another file | store them inside", refer_outside},
+    {"Segment", "is only a part of a tensor",
+     [](EditedFile& f) { f.tensor("conv1.bias").mutable_segment()->set_end(3); }},
+    {"WeightIsAnInput", "conv1.weight is not in the file: it comes from the input",
      [](EditedFile& f) {
-       f.tensor("speed1.weight").clear_raw_data();
-       f.tensor("speed1.weight").set_data_location(onnx::TensorProto::EXTERNAL);
+       f.tensor("conv1.weight").set_name("other");
+       f.graph().add_input()->set_name("conv1.weight");
      }},
-    {"Missing", "it has no tensor 'conv1.weight'",
-     [](EditedFile& f) { f.tensor("conv1.weight").set_name("other"); }},
+};
+
+const Damage shapes[] = {
+    {"SevenFrames", "a window has 2 to 6 frames",
+     [](EditedFile& f) { frames_shape(f).mutable_dim(1)->set_dim_value(7); }},
+    {"OtherFrames", "'conv1.weight' has the dimensions (6, 2, 5, 5), not (6, 3, 5, 5)",
+     [](EditedFile& f) {
+       f.keep_scaling_alone();
+       frames_shape(f).mutable_dim(1)->set_dim_value(3);
+     }},
+    {"OtherRows", "not 24 x 32, 12 x 16 or 8 x 10 pixels but 12 x 10",
+     [](EditedFile& f) { frames_shape(f).mutable_dim(2)->set_dim_value(12); }},
+    {"HugeRows", "pixels but 0 x 10",
+     [](EditedFile& f) { frames_shape(f).mutable_dim(2)->set_dim_value(huge); }},
+    {"NegativeColumns", "pixels but 8 x 0",
+     [](EditedFile& f) { frames_shape(f).mutable_dim(3)->set_dim_value(-10); }},
+    {"OpenRows", "pixels but 0 x 10",
+     [](EditedFile& f) { frames_shape(f).mutable_dim(2)->set_dim_param("H"); }},
+    {"ThreeDimensions", "'frames' has 3 dimensions, not 4",
+     [](EditedFile& f) { frames_shape(f).mutable_dim()->RemoveLast(); }},
+    {"NoShape", "'frames' has 0 dimensions",
+     [](EditedFile& f) { f.graph().mutable_input(0)->mutable_type()->mutable_tensor_type()->clear_shape(); }},
+    {"NoType", "'frames' is not made of 32-bit floats",
+     [](EditedFile& f) { f.graph().mutable_input(0)->clear_type(); }},
+    {"HalfFrames", "'frames' is not made of 32-bit floats",
+     [](EditedFile& f) {
+       f.graph().mutable_input(0)->mutable_type()->mutable_tensor_type()->set_elem_type(10);
+     }},
+    {"PaddedByThree", "conv1 is not padded by 0, 1 or 2",
+     [](EditedFile& f) {
+       f.set("conv1", "pads", {3, 3, 3, 3});
+     }},
+    {"PaddedOnOneSide", "conv1 is not padded by 0, 1 or 2",
+     [](EditedFile& f) {
+       f.set("conv1", "pads", {2, 2, 1, 1});
+     }},
+    {"PaddedBelowNothing", "conv2 is not padded by 0, 1 or 2",
+     [](EditedFile& f) {
+       f.set("conv2", "pads", {-1, -1, -1, -1});
+     }},
+    {"NoPads", "conv2 is not padded by 0, 1 or 2",
+     [](EditedFile& f) { f.set("conv2", "pads", std::vector<std::int64_t>{}); }},
+    {"NothingLeft", "nothing is left after the second convolution",
+     [](EditedFile& f) {
+       f.set("conv2", "pads", {0, 0, 0, 0});
+     }},
+    {"NamedOtherwise", "its input 'images' should be named 'frames'",
+     [](EditedFile& f) {
+       f.graph().mutable_input(0)->set_name("images");
+       f.node("conv1").set_input(0, "images");
+     }},
 };
 
 const Damage metadata[] = {
+    {"NoScale", "it does not say its label_scale_dps | write label_scale_dps",
+     [](EditedFile& f) {
+       f.keep_scaling_alone();
+       f.remove_key("label_scale_dps");
+     }},
+    {"NoDeviation", "it does not say its temp_deviation_c",
+     [](EditedFile& f) {
+       f.keep_scaling_alone();
+       f.remove_key("temp_deviation_c");
+     }},
     {"DeviationOfZero", "its temp_deviation_c is not between",
      [](EditedFile& f) { f.set_key("temp_deviation_c", "0"); }},
     {"NegativeDeviation", "its temp_deviation_c is not between",
@@ -96,16 +171,13 @@ const Damage metadata[] = {
     {"ScaleWithUnit", "label_scale_dps is '200 deg/s', which is no such number",
      [](EditedFile& f) { f.set_key("label_scale_dps", "200 deg/s"); }},
     {"ScaleEmpty", "is no such number", [](EditedFile& f) { f.set_key("label_scale_dps", ""); }},
-    {"OtherFrames", "its graph is another network", [](EditedFile& f) { f.set_key("frames", "5"); }},
-    {"SevenFrames", "a window has 2 to 6 frames", [](EditedFile& f) { f.set_key("frames", "7"); }},
-    {"OtherPadding", "its node 'conv2' differs", [](EditedFile& f) { f.set_key("padding2", "1"); }},
-    {"NothingLeft", "nothing is left after the second convolution",
-     [](EditedFile& f) { f.set_key("padding2", "0"); }},
-    {"OtherNetwork", "its graph is another network",
+    {"OtherFrames", "its metadata says frames = 5, its graph shows 2",
+     [](EditedFile& f) { f.set_key("frames", "5"); }},
+    {"OtherReduction", "its metadata says reduction = 1, its graph shows 3",
+     [](EditedFile& f) { f.set_key("reduction", "1"); }},
+    {"OtherPadding", "its metadata says padding2 = 1", [](EditedFile& f) { f.set_key("padding2", "1"); }},
+    {"OtherNetwork", "its metadata says 'thermal-only', its graph is fusion",
      [](EditedFile& f) { f.set_key("network", "thermal-only"); }},
-    {"UnknownNetwork", "'lstm', which is no network known here",
-     [](EditedFile& f) { f.set_key("network", "lstm"); }},
-    {"OtherFormat", "another kind of model", [](EditedFile& f) { f.set_key("format", "somebody's"); }},
     {"CroppedTooMuch", "its metadata does not fit", [](EditedFile& f) { f.set_key("crop_left", "3"); }},
     {"NewerFormat", "it is a model file of version '2', this program knows versions 1 and 2",
      [](EditedFile& f) { f.set_key("format_version", "2"); }},
@@ -138,10 +210,12 @@ const Damage metadata[] = {
 
 const Damage files[] = {
     {"NoGraph", "it has no graph", [](EditedFile& f) { f.file().clear_graph(); }},
-    {"NoOperatorVersion", "not made for version 13", [](EditedFile& f) { f.file().clear_opset_import(); }},
-    {"FutureOperators", "not made for version 13",
+    {"NoOperatorVersion", "does not say which version", [](EditedFile& f) { f.file().clear_opset_import(); }},
+    {"OldOperators", "made for version 8 of ONNX's operators",
+     [](EditedFile& f) { f.file().mutable_opset_import(0)->set_version(8); }},
+    {"FutureOperators", "made for version 9223372036854775807",
      [](EditedFile& f) { f.file().mutable_opset_import(0)->set_version(huge); }},
-    {"TwoOperatorVersions", "not made for version 13",
+    {"TwoOperatorVersions", "does not say which version",
      [](EditedFile& f) { f.file().add_opset_import()->set_version(13); }},
     {"Functions", "its graph has functions, sparse", [](EditedFile& f) { f.file().add_functions(); }},
     {"SparseTensors", "sparse or quantised", [](EditedFile& f) { f.graph().add_sparse_initializer(); }},
@@ -149,13 +223,14 @@ const Damage files[] = {
 
 const auto name_of = [](const auto& test) { return std::string(test.param.name); };
 INSTANTIATE_TEST_SUITE_P(Tensor, HostileFile, testing::ValuesIn(tensors), name_of);
+INSTANTIATE_TEST_SUITE_P(Shape, HostileFile, testing::ValuesIn(shapes), name_of);
 INSTANTIATE_TEST_SUITE_P(Metadata, HostileFile, testing::ValuesIn(metadata), name_of);
 INSTANTIATE_TEST_SUITE_P(File, HostileFile, testing::ValuesIn(files), name_of);
 
 TEST(OtherBytes, AreNamedWhereTheyAreKnown) {
   EXPECT_THAT(refusal_of(""), testing::StartsWith("it is empty"));
   EXPECT_THAT(refusal_of("\x89HDF\r\n\x1a\n rest"), testing::StartsWith("it is an HDF5 file"));
-  EXPECT_THAT(refusal_of(std::string("PK\x03\x04 rest")), testing::HasSubstr("model_format.md"));
+  EXPECT_THAT(refusal_of(std::string("PK\x03\x04 rest")), testing::HasSubstr("torch.onnx.export"));
   EXPECT_THAT(refusal_of("version https://git-lfs.github.com/spec/v1\noid sha256:01\nsize 9\n"),
               testing::HasSubstr("git lfs pull"));
   EXPECT_THAT(refusal_of("#!/bin/sh\nexit 0\n"), testing::StartsWith("it is no ONNX file"));

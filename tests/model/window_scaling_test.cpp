@@ -56,23 +56,36 @@ TEST(ModelFileByWindow, IsRefusedWhereItsGraphScalesOtherwise) {
   };
   using testing::HasSubstr;
   EXPECT_EQ(refused([](EditedFile&) {}), "");
-  EXPECT_THAT(refused([&](EditedFile& f) { number(f, "outlier", 2.5F); }), HasSubstr("another network"));
+  EXPECT_THAT(refused([&](EditedFile& f) { number(f, "outlier", 2.5F); }), HasSubstr("not known here"));
   EXPECT_THAT(refused([](EditedFile& f) { f.node("shift_3").set_input(1, "in_row_3"); }),
-              HasSubstr("another network"));
+              HasSubstr("not known here"));
   EXPECT_THAT(refused([](EditedFile& f) {
                 f.set("averaged", "strides", std::vector<std::int64_t>{2, 2});
               }),
-              HasSubstr("another network"));
+              HasSubstr("not known here"));
   EXPECT_THAT(refused([&](EditedFile& f) { number(f, "speed_scale", 20.0F); }),
-              HasSubstr("'speed_scale' is not what"));
+              HasSubstr("frame_period_s say"));
   EXPECT_THAT(refused([](EditedFile& f) { f.node("thermal").set_input(0, "speed3"); }),
               HasSubstr("another network"));
   EXPECT_THAT(refused([](EditedFile& f) { f.node("conv1").set_input(0, "unclamped"); }),
-              HasSubstr("'conv1' differs"));
+              HasSubstr("and not both"));
   EXPECT_THAT(refused([](EditedFile& f) { f.set_key("scaling", "row"); }), HasSubstr("scaled by 'row'"));
   EXPECT_THAT(refused([](EditedFile& f) { f.remove_key("scaling"); }), HasSubstr("version"));
   EXPECT_THAT(refused([](EditedFile& f) { f.set_key("frame_period_s", "0"); }), HasSubstr("frame_period_s"));
   EXPECT_THAT(refused([](EditedFile& f) { f.set_key("crop_left", "1"); }), HasSubstr("crop_left"));
+}
+
+TEST(ModelFileByWindow, MadeElsewhereSaysInItsMetadataHowFramesAreScaled) {
+  EditedFile file;  // a graph without scaling
+  file.keep_scaling_alone();
+  file.remove_key("temp_mean_c");
+  file.remove_key("temp_deviation_c");
+  file.set_key("scaling", "window");
+  EXPECT_THAT(refusal_of(file.bytes()), testing::HasSubstr("frame_period_s"));
+  file.set_key("frame_period_s", "0.125");
+  const Model read = reread(file.bytes());
+  EXPECT_TRUE(read.scaling.by_window);
+  EXPECT_FALSE(read.scaling.gate_states_sigma);
 }
 
 class GraphByWindow : public session::InTemporaryFolder {

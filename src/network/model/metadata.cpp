@@ -14,6 +14,10 @@ namespace thermorig::model {
 
 namespace {
 
+constexpr const char* scaling_advice =
+    "write label_scale_dps, temp_mean_c and temp_deviation_c of the training into it with "
+    "onnx.helper.set_model_props: docs/model_format.md has the lines";
+
 std::string name_of_network(const network::Shape& shape) {
   return shape.fusion ? "fusion" : "thermal-only";
 }
@@ -99,78 +103,93 @@ Metadata::Metadata(const std::vector<std::pair<std::string, std::string>>& entri
     if (!entries_.emplace(key, value).second)
       throw Refusal(fmt::format("its metadata has {} twice", in_quotes(key)));
   }
-  if (text(key::format) != format_name) throw Refusal("its metadata says that it is another kind of model");
-  by_window_ = entries_.contains(key::scaling);
+  ours_ = find(key::format) == format_name;
+  by_window_ = has(key::scaling);
   if (by_window_ && text(key::scaling) != by_window)
     throw Refusal(fmt::format("its frames are scaled by {}, which this program does not know",
                               in_quotes(text(key::scaling))),
                   "use the program that wrote it, or a newer one");
-  if (number<int>(key::format_version) !=
-      (by_window_ ? format_version_by_window : format_version_by_data_set))
+  if (ours_ && number<int>(key::format_version) !=
+                   (by_window_ ? format_version_by_window : format_version_by_data_set))
     throw Refusal(fmt::format("it is a model file of version {}, this program knows versions {} and {}",
                               in_quotes(text(key::format_version)), format_version_by_data_set,
                               format_version_by_window),
                   "use the program that wrote it, or a newer one");
 }
 
-const std::string& Metadata::text(std::string_view key) const {
+std::optional<std::string> Metadata::find(std::string_view key) const {
   const auto found = entries_.find(key);
-  if (found == entries_.end()) throw Refusal(fmt::format("its metadata lacks '{}'", key));
-  return found->second;
+  if (found != entries_.end()) return found->second;
+  if (ours_) throw Refusal(fmt::format("its metadata lacks '{}'", key));
+  return std::nullopt;
+}
+
+std::string Metadata::text(std::string_view key) const {
+  return find(key).value_or("");
 }
 
 template <class Number>
-Number Metadata::number(std::string_view key) const {
-  const std::string& said = text(key);
+std::optional<Number> Metadata::number(std::string_view key) const {
+  const auto text = find(key);
+  if (!text) return std::nullopt;
   Number value{};
-  const auto [end, failure] = std::from_chars(said.data(), said.data() + said.size(), value);
-  if (failure != std::errc{} || end != said.data() + said.size())
-    throw Refusal(fmt::format("its metadata {} is {}, which is no such number", key, in_quotes(said)));
+  const auto [end, failure] = std::from_chars(text->data(), text->data() + text->size(), value);
+  if (failure != std::errc{} || end != text->data() + text->size())
+    throw Refusal(fmt::format("its metadata {} is {}, which is no such number", key, in_quotes(*text)));
   return value;
 }
 
 bool Metadata::flag(std::string_view key) const {
-  const std::string& said = text(key);
-  if (said != "true" && said != "false")
-    throw Refusal(fmt::format("its metadata {} is {}, neither true nor false", key, in_quotes(said)));
-  return said == "true";
+  const auto text = find(key);
+  if (text && text != "true" && text != "false")
+    throw Refusal(fmt::format("its metadata {} is {}, neither true nor false", key, in_quotes(*text)));
+  return text == "true";
 }
 
-network::Shape Metadata::shape() const {
-  network::Shape shape{.frames = number<int>(key::frames),
-                       .reduction = number<int>(key::reduction),
-                       .fusion = text(key::network) == "fusion",
-                       .padding1 = number<int>(key::padding1),
-                       .padding2 = number<int>(key::padding2),
-                       .crop_left = number<int>(key::crop_left)};
-  if (text(key::network) != name_of_network(shape))
+void Metadata::compare(std::string_view key, int shown) const {
+  const auto said = number<int>(key);
+  if (said && *said != shown)
+    throw Refusal(fmt::format("its metadata says {} = {}, its graph shows {}", key, *said, shown));
+}
+
+void Metadata::complete(network::Shape& shape) const {
+  const auto network = find(key::network);
+  if (network && *network != name_of_network(shape))
     throw Refusal(
-        fmt::format("its metadata says {}, which is no network known here", in_quotes(text(key::network))));
+        fmt::format("its metadata says {}, its graph is {}", in_quotes(*network), name_of_network(shape)));
+  compare(key::frames, shape.frames);
+  compare(key::reduction, shape.reduction);
+  compare(key::padding1, shape.padding1);
+  compare(key::padding2, shape.padding2);
+  shape.crop_left = number<int>(key::crop_left).value_or(0);
   if (const auto fault = network::fault_of(shape)) throw Refusal("its metadata does not fit: " + *fault);
-  if (by_window_ && shape.crop_left != 0)
-    throw Refusal("its graph averages from the first column on, and its metadata has a crop_left");
-  return shape;
+}
+
+float Metadata::scale(std::string_view key) const {
+  const auto value = number<float>(key);
+  if (!value) throw Refusal(fmt::format("it does not say its {}", key), scaling_advice);
+  return *value;
 }
 
 network::Scaling Metadata::scaling() const {
-  network::Scaling scaling{.label_scale_dps = number<float>(key::label_scale_dps)};
+  network::Scaling scaling{.label_scale_dps = scale(key::label_scale_dps)};
   if (by_window_) {
     scaling.by_window = true;
-    scaling.frame_period_s = number<float>(key::frame_period_s);
+    scaling.frame_period_s = scale(key::frame_period_s);
     scaling.gate_states_sigma = flag(key::gate_states_sigma);
   } else {
-    scaling.temp_mean_c = number<float>(key::temp_mean_c);
-    scaling.temp_deviation_c = number<float>(key::temp_deviation_c);
+    scaling.temp_mean_c = scale(key::temp_mean_c);
+    scaling.temp_deviation_c = scale(key::temp_deviation_c);
   }
   const auto within = [](float value, float least, float most) { return least <= value && value <= most; };
   if (!within(scaling.label_scale_dps, 1e-3F, 1e6F))
-    throw Refusal("its label_scale_dps is not between 0.001 and 1,000,000 deg/s");
+    throw Refusal("its label_scale_dps is not between 0.001 and 1,000,000 deg/s", scaling_advice);
   if (by_window_ && !within(scaling.frame_period_s, 1e-3F, 100.0F))
-    throw Refusal("its frame_period_s is not between 0.001 and 100 s");
+    throw Refusal("its frame_period_s is not between 0.001 and 100 s", scaling_advice);
   if (!within(scaling.temp_mean_c, -300.0F, 1e4F))
-    throw Refusal("its temp_mean_c is not between -300 and 10,000 degrees");
+    throw Refusal("its temp_mean_c is not between -300 and 10,000 degrees", scaling_advice);
   if (!within(scaling.temp_deviation_c, 1e-4F, 1e4F))
-    throw Refusal("its temp_deviation_c is not between 0.0001 and 10,000 degrees");
+    throw Refusal("its temp_deviation_c is not between 0.0001 and 10,000 degrees", scaling_advice);
   return scaling;
 }
 
@@ -188,8 +207,8 @@ std::vector<Provenance::Data> Metadata::data(std::string_view key) const {
 }
 
 std::optional<network::CameraView> Metadata::view() const {
-  if (!by_window_ || !entries_.contains(key::view_width_deg)) return std::nullopt;
-  const network::CameraView view{.width_deg = number<double>(key::view_width_deg),
+  if (!by_window_ || !has(key::view_width_deg)) return std::nullopt;
+  const network::CameraView view{.width_deg = number<double>(key::view_width_deg).value_or(0.0),
                                  .half_frames = flag(key::half_frames),
                                  .mirrored = flag(key::mirrored)};
   if (!(view.width_deg >= 1.0 && view.width_deg <= 360.0))
@@ -197,10 +216,10 @@ std::optional<network::CameraView> Metadata::view() const {
   return view;
 }
 
-/// Files did not say it while there was no choice.
+/// Ours did not say it while there was no choice.
 std::optional<Label> Metadata::label() const {
   const auto found = entries_.find(key::label);
-  if (found == entries_.end()) return Label::commanded;
+  if (found == entries_.end()) return ours_ ? std::optional(Label::commanded) : std::nullopt;
   if (found->second.empty()) return std::nullopt;
   if (const auto label = find_label(found->second)) return label;
   throw Refusal(fmt::format("its metadata {} is {}, which is no label known here", key::label,
@@ -212,9 +231,9 @@ Provenance Metadata::provenance(const std::string& producer) const {
   from.producer = producer;
   from.preset = text(key::preset);
   from.label = label();
-  from.seed = number<std::uint64_t>(key::seed);
-  from.epochs = number<int>(key::epochs);
-  from.epoch_kept = number<int>(key::epoch_kept);
+  from.seed = number<std::uint64_t>(key::seed).value_or(0);
+  from.epochs = number<int>(key::epochs).value_or(0);
+  from.epoch_kept = number<int>(key::epoch_kept).value_or(0);
   if (from.epochs < 0 || from.epoch_kept < 0 || from.epoch_kept > from.epochs)
     throw Refusal(fmt::format("it claims to keep epoch {} of {}", from.epoch_kept, from.epochs));
   from.training = data(key::training_data);
@@ -223,17 +242,17 @@ Provenance Metadata::provenance(const std::string& producer) const {
   from.data_licence = text(key::data_licence);
   if (!by_window_) return from;
   from.view = view();
-  from.made_windows = number<std::uint64_t>(key::made_windows);
+  from.made_windows = number<std::uint64_t>(key::made_windows).value_or(0);
   from.begun_from = text(key::begun_from);
   return from;
 }
 
 void Metadata::check(const network::Weights& weights) const {
-  const std::string& said = text(key::weights_crc32);
-  if (!said.empty() && said != sum_of(weights))
+  const auto said = find(key::weights_crc32);
+  if (said && *said != sum_of(weights))
     throw Refusal(
         "its weights differ from their checksum",
-        "copy the file again; if they were changed on purpose, make its metadata weights_crc32 empty");
+        "copy the file again; if the weights were changed on purpose, remove the metadata weights_crc32");
 }
 
 }  // namespace thermorig::model

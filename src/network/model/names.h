@@ -34,7 +34,6 @@ inline constexpr std::string_view held_out_data = "held_out_data";  // the same
 inline constexpr std::string_view weights_crc32 = "weights_crc32";
 }  // namespace key
 
-inline constexpr int opset = 13;  // of ONNX's operators, of 2020: what every engine still in use reads
 inline constexpr std::string_view format_name = "thermorig model";
 inline constexpr int format_version_by_data_set = 1;
 inline constexpr int format_version_by_window = 2;  // scaling is in the graph

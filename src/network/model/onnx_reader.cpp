@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <google/protobuf/stubs/logging.h>
 #include <onnx/onnx_pb.h>
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 
-#include "graph.h"
 #include "metadata.h"
-#include "names.h"
+#include "network_graph.h"
 #include "refusal.h"
+#include "scaling_graph.h"
+#include "size_limit.h"
+#include "tensor_values.h"
 #include "text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/git_lfs.h"
-#include "thermorig/io/files/whole_file.h"
 #include "thermorig/network/model/model.h"
 
 namespace thermorig::model {
@@ -23,11 +21,7 @@ namespace thermorig::model {
 namespace {
 
 constexpr const char* usual_advice =
-    "give a model that thermorig train has written, or one made as docs/model_format.md says";
-
-/// The largest network has 751,000 weights, 3 MB. Larger files are refused before they are read: a field of
-/// two bytes may become a message of 150 in memory.
-constexpr std::size_t file_bytes_max = std::size_t{8} << 20U;
+    "give a model that thermorig train has written, or one exported as docs/model_format.md says";
 
 bool begins_with(std::span<const std::uint8_t> bytes, std::string_view start) {
   return bytes.size() >= start.size() &&
@@ -45,7 +39,7 @@ void check_kind(std::span<const std::uint8_t> bytes) {
     throw Refusal("it is a Git LFS pointer: the file itself was not fetched", git_lfs_advice);
   if (begins_with(bytes, "PK"))
     throw Refusal("it is a zip archive, perhaps PyTorch's own kind of file, not ONNX",
-                  "docs/model_format.md shows how its weights become a model");
+                  "export the network with torch.onnx.export: docs/model_format.md shows how");
 }
 
 onnx::ModelProto parse(std::span<const std::uint8_t> bytes) {
@@ -61,11 +55,19 @@ onnx::ModelProto parse(std::span<const std::uint8_t> bytes) {
   return file;
 }
 
+/// From opset 9 on (2018) the operators of this network mean what they mean today; 22 is the newest at the
+/// time of writing.
 void check_versions(const onnx::ModelProto& file) {
   if (!file.has_graph()) throw Refusal("it is no ONNX file: it has no graph");
-  if (file.opset_import_size() != 1 || !file.opset_import(0).domain().empty() ||
-      file.opset_import(0).version() != opset)
-    throw Refusal(fmt::format("it is not made for version {} of ONNX's operators", opset));
+  int standard = 0;
+  for (const auto& set : file.opset_import()) {
+    if (!set.domain().empty() && set.domain() != "ai.onnx") continue;
+    ++standard;
+    if (set.version() < 9 || set.version() > 22)
+      throw Refusal(fmt::format("it is made for version {} of ONNX's operators", set.version()),
+                    "export it with an opset_version from 9 to 22, best 13");
+  }
+  if (standard != 1) throw Refusal("it does not say which version of ONNX's operators it is made for");
 }
 
 std::vector<std::pair<std::string, std::string>> entries_of(const onnx::ModelProto& file) {
@@ -74,47 +76,12 @@ std::vector<std::pair<std::string, std::string>> entries_of(const onnx::ModelPro
   return entries;
 }
 
-const onnx::TensorProto& tensor_of(const onnx::GraphProto& graph, std::string_view name) {
-  const auto found = std::ranges::find(graph.initializer(), name, &onnx::TensorProto::name);
-  if (found == graph.initializer().end()) throw Refusal(fmt::format("it has no tensor '{}'", name));
-  return *found;
-}
-
-/// Without a branch a value: the loop becomes vectors.
-bool all_finite(std::span<const float> values) {
-  constexpr std::uint32_t exponent = 0x7F800000U;
-  std::uint32_t odd = 0;
-  for (const float value : values)
-    odd |= (std::bit_cast<std::uint32_t>(value) & exponent) == exponent ? 1U : 0U;
-  return odd == 0;
-}
-
-/// Copies a tensor of just these dimensions, whose values lie in the file as they lie in memory.
-void copy_floats(const onnx::TensorProto& tensor, const std::vector<int>& dimensions, std::span<float> out) {
-  static_assert(std::endian::native == std::endian::little);
-  const std::string name = in_quotes(tensor.name());
-  if (tensor.data_type() != onnx::TensorProto::FLOAT || tensor.float_data_size() > 0)
-    throw Refusal(fmt::format("{} is not made of 32-bit floats as raw data", name));
-  if (!std::ranges::equal(tensor.dims(), dimensions)) {
-    const std::vector<std::int64_t> shown(tensor.dims().begin(),
-                                          tensor.dims().begin() + std::min(tensor.dims_size(), 5));
-    throw Refusal(fmt::format("{} has the dimensions ({}), not ({})", name, fmt::join(shown, ", "),
-                              fmt::join(dimensions, ", ")));
-  }
-  const std::string& raw = tensor.raw_data();
-  if (raw.size() != out.size_bytes())
-    throw Refusal(
-        fmt::format("{} has {} bytes of values, its dimensions need {}", name, raw.size(), out.size_bytes()));
-  std::memcpy(out.data(), raw.data(), raw.size());
-  if (!all_finite(out))
-    throw Refusal(fmt::format("{} holds NaN or infinity", name),
-                  "the training has diverged: train again with a smaller learning rate");
-}
-
-network::Weights weights_of(const onnx::GraphProto& graph, const network::Shape& shape) {
+network::Weights weights_of(const NetworkGraph& graph, const network::Shape& shape) {
   network::Weights weights{shape, std::vector<float>(network::weight_count(shape))};
-  for (const network::Tensor& tensor : network::tensors_of(shape))
-    copy_floats(tensor_of(graph, tensor.name), tensor.dimensions, weights.tensor(tensor.name));
+  for (const network::Tensor& tensor : network::tensors_of(shape)) {
+    const TensorSource& source = graph.tensors.at(std::string(tensor.name));
+    copy_floats(*source.tensor, tensor.dimensions, source.transposed, weights.tensor(tensor.name));
+  }
   return weights;
 }
 
@@ -124,15 +91,29 @@ std::string producer_of(const onnx::ModelProto& file) {
   return plain_text(version.empty() ? name : name + " " + version);
 }
 
+/// What a graph does to frames and speeds, its metadata must say, for that is what is done here.
+void check_scaling(const NetworkGraph& graph, const network::Scaling& scaling, bool ours, int crop_left) {
+  const bool in_graph = graph.speed_scale > 0.0F;
+  if (in_graph && !scaling.by_window)
+    throw Refusal("its graph scales each window by itself, and its metadata does not say so");
+  if (in_graph && graph.speed_scale != speed_scale_of(scaling))
+    throw Refusal("its graph scales speeds otherwise than label_scale_dps and frame_period_s say");
+  if (!in_graph && ours && scaling.by_window)
+    throw Refusal("its metadata says that scaling is in the graph, and it is not");
+  if (in_graph && crop_left != 0)
+    throw Refusal("its graph averages from the first column on, and its metadata has a crop_left");
+}
+
 Model model_of(std::span<const std::uint8_t> bytes) {
   check_kind(bytes);
   const onnx::ModelProto file = parse(bytes);
   check_versions(file);
+  const NetworkGraph graph = network_of(file.graph());
   const Metadata metadata(entries_of(file));
-  const network::Shape shape = metadata.shape();
-  const network::Scaling scaling = metadata.scaling();
-  require_graph(file.graph(), shape, scaling);
-  Model model{weights_of(file.graph(), shape), scaling, metadata.provenance(producer_of(file))};
+  network::Shape shape = graph.shape;
+  metadata.complete(shape);
+  Model model{weights_of(graph, shape), metadata.scaling(), metadata.provenance(producer_of(file))};
+  check_scaling(graph, model.scaling, metadata.is_ours(), shape.crop_left);
   metadata.check(model.weights);
   return model;
 }
@@ -146,14 +127,6 @@ Model from_onnx(std::span<const std::uint8_t> bytes, const std::string& where) {
     throw Error(ExitCode::not_a_session, refusal.what(), where,
                 refusal.advice().empty() ? usual_advice : refusal.advice());
   }
-}
-
-void write_model(const std::filesystem::path& path, const Model& model, int batch) {
-  files::write_whole(path, to_onnx(model, batch), "the model");
-}
-
-Model read_model(const std::filesystem::path& path) {
-  return from_onnx(files::read_whole(path, file_bytes_max, "the model"), path.string());
 }
 
 }  // namespace thermorig::model

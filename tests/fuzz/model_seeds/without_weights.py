@@ -12,9 +12,9 @@ model = onnx.load(source)
 for tensor in model.graph.initializer:
     if len(tensor.raw_data) > 4:
         tensor.ClearField("raw_data")
-for entry in model.metadata_props:
-    if entry.key == "weights_crc32":
-        entry.value = ""
+kept = [entry for entry in model.metadata_props if entry.key not in ("format", "weights_crc32")]
+del model.metadata_props[:]
+model.metadata_props.extend(kept)
 model.ClearField("doc_string")
 for node in model.graph.node:
     node.ClearField("doc_string")

@@ -21,7 +21,7 @@ struct Provenance {
     std::string name;  // of the acquisition
     std::string hash;  // network::Acquisition::hash
   };
-  std::string producer;  // program and version, e.g. "thermorig 0.1.0"
+  std::string producer;  // program and version, e.g. "thermorig 0.1.0"; of a foreign file what it says
   std::string preset;    // "paper", "best" or "custom"; empty if unknown
   std::uint64_t seed = 0;
   int epochs = 0;              // trained
@@ -30,7 +30,7 @@ struct Provenance {
   std::vector<Data> held_out;  // acquisitions that chose the epoch
   bool simulated = false;      // any of them
   std::string data_licence;    // of the training data
-  std::optional<Label> label;  // that was learnt; none: its origin did not say
+  std::optional<Label> label;  // that was learnt; none: a foreign file does not say
   // Of networks that scale by the window; others do not say it.
   std::optional<network::CameraView> view;  // of the camera whose images were learnt; none: of several
   std::uint64_t made_windows = 0;           // of made-up rooms, counted each time that one was shown
@@ -49,7 +49,7 @@ struct Model {
 /// docs/model_format.md. Deterministic. `batch` > 0 fixes N.
 std::string to_onnx(const Model& model, int batch = 0);
 
-/// Reads what `to_onnx` wrote, also with other weights and metadata (docs/model_format.md).
+/// Reads what `to_onnx` wrote, or a network of the same graph made elsewhere with the documented names.
 /// Hostile bytes are refused with Error(not_a_session): what is wrong, `where`, what to try. Never allocates
 /// by what the file claims.
 Model from_onnx(std::span<const std::uint8_t> bytes, const std::string& where);
