@@ -12,7 +12,7 @@ namespace thermorig::app {
 // The words of the commands that learn; each in a file of its own (CLI11 compiles slowly).
 /// --nf and --nr.
 void add_window_shape(CLI::App& command, std::optional<int>& frames, std::optional<int>& reduction);
-/// --memory and --cache.
+/// --memory.
 void add_frame_memory(CLI::App& command, FrameOptions& options);
 void add_train(CLI::App& root, TrainOptions& options);
 void add_evaluate(CLI::App& root, EvaluateOptions& options);

@@ -57,7 +57,7 @@ void add_recording_of(CLI::App& command, RecordOptions& record, const std::funct
         .add_option("--licence", record.licence, "Licence of the data, saved in the session, e.g. CC-BY-4.0")
         ->type_name("TEXT");
     add_facts();
-    add_sync(command, record.sync);
+    add_sync(command, record.sync_ms);
   });
   in_group(command, "Checks and faults", [&] {
     command.add_flag("-n,--dry-run", record.dry_run, "Print the plan and the checks; move and write nothing");

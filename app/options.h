@@ -62,7 +62,7 @@ struct RecordOptions {
   std::vector<double> speeds_dps;   // empty: the plan's own
   bool fast = false;                // virtual time
   double replug_patience_s = 60.0;  // a device that goes is waited for so long; 0: the end at once
-  std::string sync = "125";         // frame, end or milliseconds: see rig::sync_policy_from
+  int sync_ms = 125;                // a loss of power costs as much
   PageOptions page;
   bool dry_run = false;
   bool preflight = true;  // a rig that is not fit is refused before it moves
@@ -210,7 +210,6 @@ struct DecodeOptions {
 /// Where the frames of trainings and evaluations lie.
 struct FrameOptions {
   std::optional<std::uint64_t> memory_mb;  // none: half of the machine's
-  std::filesystem::path cache;             // folder of those that do not fit; empty: beside what is written
 };
 
 struct TrainOptions {
@@ -252,7 +251,6 @@ struct EvaluateOptions {
   std::optional<int> workers;        // jobs side by side; default: cores
   FrameOptions frame_memory;         // of a model or a study
   bool list_jobs = false;            // of a study: only say where its jobs stand
-  std::optional<std::string> job;    // of a study: only the job of this id
   std::optional<std::string> shard;  // of a study: only a part of its jobs, "3/8"
   bool require_complete = false;     // to draw: only if all jobs of the study have a result
   bool baselines = false;            // of a study: only compute the gyro's rows of its results again

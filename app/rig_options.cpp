@@ -45,11 +45,10 @@ void add_json(CLI::App& command, bool& json) {
   command.add_flag("--json", json, "Print JSON, for programs")->group(last_group);
 }
 
-void add_sync(CLI::App& command, std::string& sync) {
-  command
-      .add_option("--sync", sync,
-                  "Write to disk: frame (every frame), end (at the end), or every N ms (10 to 60000)")
-      ->type_name("WHEN")
+void add_sync(CLI::App& command, int& period_ms) {
+  command.add_option("--sync", period_ms, "Milliseconds of data that a power cut may cost (10 to 60000)")
+      ->check(CLI::Range(10, 60'000))
+      ->type_name("MS")
       ->capture_default_str();
 }
 

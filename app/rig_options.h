@@ -28,7 +28,7 @@ void add_json(CLI::App& command, bool& json);
 CLI::Validator not_negative();
 
 /// --sync: when what is recorded has to be on the disk.
-void add_sync(CLI::App& command, std::string& sync);
+void add_sync(CLI::App& command, int& period_ms);
 /// --replug-patience: how long a device is waited for that goes.
 void add_replug(CLI::App& command, double& patience_s);
 /// A word that must be one of `names`; for any other the nearest is named.

@@ -20,9 +20,8 @@ namespace {
 
 /// What only a study has, and what of it cannot be asked for at once.
 void check_study_words(const EvaluateOptions& options) {
-  const std::array<std::pair<const char*, bool>, 4> words{{{"--baselines", options.baselines},
+  const std::array<std::pair<const char*, bool>, 3> words{{{"--baselines", options.baselines},
                                                            {"--list-jobs", options.list_jobs},
-                                                           {"--job", options.job.has_value()},
                                                            {"--shard", options.shard.has_value()}}};
   const char* given = nullptr;
   for (const auto& [word, is_given] : words) {
@@ -45,7 +44,6 @@ void check_study_words(const EvaluateOptions& options) {
 void check_plots(const EvaluateOptions& options) {
   const char* word = options.live        ? "--live"
                      : options.list_jobs ? "--list-jobs"
-                     : options.job       ? "--job"
                      : options.shard     ? "--shard"
                                          : nullptr;
   if (word != nullptr)

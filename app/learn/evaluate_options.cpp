@@ -65,8 +65,6 @@ void add_job_words(CLI::App& command, EvaluateOptions& options) {
                    "With --study and --draw: fail unless every job has its result");
   command.add_flag("--list-jobs", options.list_jobs,
                    "With --study: only list the jobs: id, and done or open");
-  command.add_option("--job", options.job, "With --study: only run this job, without a report")
-      ->type_name("ID");
   command
       .add_option("--shard", options.shard,
                   "With --study: only run part I of N of the jobs, without a report")

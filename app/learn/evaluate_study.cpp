@@ -3,6 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -11,12 +15,12 @@
 #include "evaluate_parts.h"
 #include "frame_memory.h"
 #include "interrupts.h"
+#include "options.h"
 #include "plot_files.h"
 #include "print/output.h"
+#include "print/terminal_width.h"
 #include "report_files.h"
 #include "session_data.h"
-#include "study_jobs.h"
-#include "study_progress.h"
 #include "thermorig/core/frame.h"
 #include "thermorig/learning/report/report.h"
 #include "thermorig/learning/study/shard.h"
@@ -25,6 +29,139 @@
 namespace thermorig::app {
 
 namespace {
+
+namespace fs = std::filesystem;
+
+/// The paper's reference setting where it is part of the study, else the first that is.
+int reference_of(const std::vector<int>& values, int usual) {
+  const bool there = std::find(values.begin(), values.end(), usual) != values.end();
+  return there || values.empty() ? usual : values.front();
+}
+
+study::StudyConfig config_of(const EvaluateOptions& options) {
+  study::StudyConfig config;
+  config.environment = options.environment;
+  config.frames = options.frames;
+  config.reductions = options.reductions;
+  config.reference_frames = reference_of(options.frames, config.reference_frames);
+  config.reference_reduction = reference_of(options.reductions, config.reference_reduction);
+  config.seeds = options.seeds;
+  config.reference_seeds = options.reference_seeds;
+  config.preset = options.preset;
+  config.epochs = options.epochs;
+  config.history = options.history.value_or(0);
+  return config;
+}
+
+void print_state(const study::Job& job, bool done, bool json) {
+  const char* const state = done ? "done" : "open";
+  if (json)
+    print_json({{"event", "listed"},
+                {"id", study::id_of(job)},
+                {"job", study::description_of(job)},
+                {"state", state}});
+  else
+    write_to(stdout, fmt::format("{}  {}\n", study::id_of(job), state));  // for programs, too: never folded
+}
+
+/// The jobs of the study that the options describe. Throws Error(bad_usage) as study::jobs_of() does.
+std::vector<study::Job> jobs_of_study(const EvaluateOptions& options,
+                                      const std::vector<network::Acquisition>& acquisitions) {
+  return study::jobs_of(config_of(options), acquisitions);
+}
+
+/// Throws Error(bad_usage) where no folder is named that a study keeps its results in.
+void require_results_folder(const EvaluateOptions& options) {
+  if (options.output.empty())
+    throw Error(ExitCode::bad_usage, "a study needs a folder for its results", "", "-o study");
+}
+
+/// Lists the jobs that have no result. Throws Error(check_failed) if there are any.
+void require_complete(const std::vector<study::Job>& jobs, const fs::path& folder, bool json) {
+  const std::vector<study::Job> open = study::without_result(jobs, folder);
+  if (open.empty()) return;
+  for (const study::Job& job : open) print_state(job, false, json);
+  flush_output();
+  throw Error(ExitCode::check_failed,
+              fmt::format("{} of the study's {} results are missing", open.size(), jobs.size()),
+              folder.string(), "run the study again: it goes on with what is missing");
+}
+
+/// Shows a study while it runs: on a terminal one line that is drawn over after every epoch, elsewhere a line
+/// a finished job, with `json` an object a finished job.
+class StudyProgress {
+ public:
+  explicit StudyProgress(bool json);
+
+  /// Must not outlive this. `stop` is handed on.
+  study::RunObserver observer(std::function<bool()> stop);
+
+  /// Clears the line that is drawn over.
+  void end();
+
+ private:
+  void started(const study::Progress& progress);
+  void epoch_done(const study::Progress& progress);
+  void job_done(const study::Progress& progress);
+
+  bool json_;
+  bool line_;
+};
+
+std::string eta_text(const study::Progress& progress) {
+  return std::isnan(progress.eta_s) ? "" : ", " + duration_text(progress.eta_s) + " left";
+}
+
+std::string standing_text(const study::Progress& progress) {
+  return fmt::format("{} of {} jobs, {:.0f} %, {}{}", progress.done, progress.all,
+                     std::floor(100.0 * progress.share), duration_text(progress.elapsed_s),
+                     eta_text(progress));
+}
+
+StudyProgress::StudyProgress(bool json) : json_(json), line_(!json && escapes_allowed(stdout)) {}
+
+study::RunObserver StudyProgress::observer(std::function<bool()> stop) {
+  study::RunObserver observer;
+  observer.started = [this](const study::Progress& progress) { started(progress); };
+  observer.epoch_done = [this](const study::Progress& progress) { epoch_done(progress); };
+  observer.job_done = [this](const study::Progress& progress) { job_done(progress); };
+  observer.stop = std::move(stop);
+  return observer;
+}
+
+void StudyProgress::started(const study::Progress& progress) {
+  if (progress.reused == 0) return;
+  if (json_)
+    print_json({{"event", "reused"}, {"jobs", progress.reused}});
+  else
+    print("{} of {} jobs were done before\n", progress.reused, progress.all);
+  flush_output();
+}
+
+void StudyProgress::epoch_done(const study::Progress& progress) {
+  if (!line_) return;
+  write_to(stdout, drawn_over(standing_text(progress) + "; " + printable(progress.last)));
+  flush_output();
+}
+
+void StudyProgress::job_done(const study::Progress& progress) {
+  if (line_) return epoch_done(progress);
+  if (json_)
+    print_json({{"event", "job"},
+                {"job", progress.last},
+                {"done", progress.done},
+                {"jobs", progress.all},
+                {"share", progress.share},
+                {"elapsed_s", progress.elapsed_s},
+                {"eta_s", progress.eta_s}});
+  else
+    print("{}; {}\n", standing_text(progress), printable(progress.last));
+  flush_output();
+}
+
+void StudyProgress::end() {
+  if (line_) write_to(stdout, drawn_over(""));
+}
 
 using study::SettingSummary;
 
@@ -85,12 +222,8 @@ struct StudyJobs {
 
 StudyJobs study_jobs(const EvaluateOptions& options, const std::vector<network::Acquisition>& acquisitions) {
   StudyJobs jobs{.all = jobs_of_study(options, acquisitions)};
-  if (options.job)
-    jobs.chosen = {study::job_of_id(jobs.all, *options.job)};
-  else if (options.shard)
-    jobs.chosen = study::jobs_of(study::shard_from(*options.shard), jobs.all);
-  else
-    jobs.chosen = jobs.all;
+  jobs.chosen =
+      options.shard ? study::jobs_of(study::shard_from(*options.shard), jobs.all) : jobs.all;
   return jobs;
 }
 
@@ -209,8 +342,22 @@ ExitCode run_study(const EvaluateOptions& options) {
   progress.end();
   const std::vector<study::JobResult> results = study::results_of(jobs.chosen, folder);
   if (!finished) return tell_interrupted(options.output, results.size(), jobs.chosen.size(), options.json);
-  if (options.job || options.shard) return conclude_part(options, results.size());
+  if (options.shard) return conclude_part(options, results.size());
   conclude(options, options.output, results);
+  return ExitCode::ok;
+}
+
+ExitCode list_jobs(const EvaluateOptions& options) {
+  require_results_folder(options);
+  SessionOptions sessions = session_options(options);
+  sessions.json = true;  // lines are for programs, and for nothing but jobs
+  const std::vector<study::Job> jobs = jobs_of_study(options, read_data(sessions).acquisitions);
+  const std::vector<study::Job> open = study::without_result(jobs, options.output / "results");
+  const std::set<study::Job> left(open.begin(), open.end());
+  for (const study::Job& job : jobs) print_state(job, !left.contains(job), options.json);
+  if (options.json)
+    print_json(
+        {{"event", "summary"}, {"exit_code", 0}, {"done", jobs.size() - left.size()}, {"open", left.size()}});
   return ExitCode::ok;
 }
 

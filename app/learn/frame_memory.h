@@ -7,16 +7,15 @@
 #include <string>
 
 #include "session_data.h"
-#include "thermorig/learning/dataset/frame_store.h"
 
 namespace thermorig::app {
 
-/// The memory that the frames of trainings and evaluations take, and where those lie that do not fit.
+/// The memory that the frames of trainings and evaluations take. Those that do not fit are packed; what does
+/// not fit even so lies in files without a name, whose pages are the system's.
 class FrameMemory {
  public:
-  /// `near`: the file lies beside it, unless a folder was asked for. Throws Error(bad_usage) where that is
-  /// none.
-  FrameMemory(const FrameOptions& options, const std::filesystem::path& near);
+  /// `near`: the files lie beside it, where its disk has room.
+  FrameMemory(const FrameOptions& options, std::filesystem::path near);
 
   /// Reads as read_data(). The network takes so many bytes a frame beside the pixels.
   dataset::Acquisitions read(SessionOptions options, std::uint64_t bytes_beside_a_frame);
@@ -27,13 +26,13 @@ class FrameMemory {
 
   /// Where the frames lie, and how much memory they may take: a line.
   std::string text() const;
-  /// For programs: adds `memory_bytes`, `frames_in_memory_bytes` and `frames_on_disk_bytes`.
+  /// For programs: adds `memory_bytes`, `packed_bytes` and `bytes_on_disk`.
   void add_to(nlohmann::json& object) const;
 
  private:
-  dataset::FrameFolder folder_;
+  std::filesystem::path near_;
   std::uint64_t bytes_;
-  dataset::FrameStore store_;
+  std::uint64_t packed_bytes_ = 0, bytes_on_disk_ = 0;
 };
 
 }  // namespace thermorig::app

@@ -21,7 +21,7 @@ dataset::Acquisitions read_files(const std::vector<fs::path>& files, const Sessi
   const auto leaves_out = [&](const fs::path& file) {
     return !options.accept_bad && !is_named(file, options.paths);
   };
-  return dataset::read_acquisitions(files, std::ref(progress), options.label, options.store, leaves_out);
+  return dataset::read_acquisitions(files, std::ref(progress), options.label, options.packs, leaves_out);
 }
 
 std::vector<std::string> files_of(const std::vector<dataset::BadSession>& bad) {

@@ -16,7 +16,7 @@ struct SessionOptions {
   bool accept_bad = false;                          // a verdict "bad" is no reason against one
   bool json = false;                                // nothing is printed
   Label label = Label::commanded;
-  dataset::FrameStore* store = nullptr;  // takes pixels as soon as they are read
+  bool packs = false;  // pixels, as soon as they are read
 };
 
 /// Reads the sessions that the paths name, telling on a terminal how far it is. Says which were left out,

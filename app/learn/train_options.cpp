@@ -74,12 +74,11 @@ void add_window_shape(CLI::App& command, std::optional<int>& frames, std::option
 
 void add_frame_memory(CLI::App& command, FrameOptions& options) {
   command
-      .add_option("--memory", options.memory_mb,
-                  "Memory limit for frames; the rest is kept on disk (default: half of the memory)")
+      .add_option(
+          "--memory", options.memory_mb,
+          "Memory limit for frames; beyond it they are packed, then on disk (default: half of the memory)")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
       ->type_name("MB");
-  command.add_option("--cache", options.cache, "Folder for frames on disk (default: beside the output)")
-      ->type_name("FOLDER");
 }
 
 void add_train(CLI::App& root, TrainOptions& options) {

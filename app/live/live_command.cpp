@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "commands.h"
-#include "interrupts.h"
 #include "live_facts.h"
 #include "live_map.h"
 #include "live_model.h"
@@ -17,10 +16,8 @@
 #include "record/record_summary.h"
 #include "record/recorder.h"
 #include "record/recording_setup.h"
-#include "record/virtual_bus.h"
+#include "record/run_recording.h"
 #include "thermorig/io/port.h"
-#include "thermorig/rig/recording/port_recording.h"
-#include "thermorig/rig/recording/virtual_recording.h"
 
 namespace thermorig::app {
 
@@ -61,29 +58,6 @@ std::vector<rig::Order> orders(const LiveOptions& options, LiveRun& run, LivePag
   std::vector<rig::Order> all = orders_of(run, page);
   if (!options.keep && screens.alone()) all.push_back({rig::OrderKind::stop, "its reader, who went away"});
   return all;
-}
-
-using Orders = std::function<std::vector<rig::Order>()>;
-
-rig::RecordingResult drive_fast(const ChosenRig& rig, rig::RecordingOptions recording, LiveRun& run,
-                                const Orders& ordered) {
-  watch_interrupts();
-  return record_virtual(*rig.simulated,
-                        {.recording = std::move(recording),
-                         .stop_requested = interrupted,
-                         .orders = ordered,
-                         .progress = [&](const rig::RecordingProgress& progress) { run.progress(progress); },
-                         .progress_period = state_period});
-}
-
-rig::RecordingResult drive_ports(rig::RecordingOptions recording, LiveRun& run, const Orders& ordered) {
-  rig::PortOptions options;
-  options.recording = std::move(recording);
-  options.orders = ordered;
-  options.progress = [&](const rig::RecordingProgress& progress) { run.progress(progress); };
-  options.progress_period = state_period;
-  options.notice = [&](const std::string& sentence) { run.note(sentence); };
-  return rig::record_ports(options);
 }
 
 struct Outcome {
@@ -127,9 +101,13 @@ ExitCode run(const LiveOptions& options) {
   LiveScreens screens(options, page.get(), run);
   watch(run, model, recording);
   const auto drive = [&] {
-    const Orders ordered = [&] { return orders(options, run, page.get(), screens); };
-    rig::RecordingResult result = options.record.fast ? drive_fast(rig, std::move(recording), run, ordered)
-                                                      : drive_ports(std::move(recording), run, ordered);
+    rig::RecordingResult result =
+        run_recording(rig, options.record.fast,
+                      {.recording = std::move(recording),
+                       .orders = [&] { return orders(options, run, page.get(), screens); },
+                       .progress = [&](const rig::RecordingProgress& progress) { run.progress(progress); },
+                       .progress_period = state_period,
+                       .notice = [&](const std::string& sentence) { run.note(sentence); }});
     run.write_map(result.session);
     return result;
   };

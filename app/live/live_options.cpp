@@ -51,7 +51,7 @@ void add_result(CLI::App& command, LiveCommandLine& words) {
         ->type_name("TEXT");
     command.add_flag("!--no-preflight", live.record.preflight,
                      "Record despite failed checks: warn only (with --record)");
-    add_sync(command, live.record.sync);
+    add_sync(command, live.record.sync_ms);
   });
   add_json(command, live.record.json);
 }

@@ -11,6 +11,7 @@
 #include "print/output.h"
 #include "record_checks.h"
 #include "recording_setup.h"
+#include "run_recording.h"
 #include "thermorig/io/files/disk.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/doctor/check.h"
@@ -18,7 +19,6 @@
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/rig/recording/port_recording.h"
 #include "thermorig/rig/recording/virtual_recording.h"
-#include "virtual_bus.h"
 
 namespace thermorig::app {
 
@@ -54,13 +54,16 @@ rig::RecordingResult listen(rig::RecordingOptions recording, const ChosenRig& ri
   Listening listening;
   const auto orders = [&] { return listening.orders(); };
   const auto progress = [&](const rig::RecordingProgress& seen) { listening.progress(seen); };
-  if (rig.simulated)
-    return record_virtual(*rig.simulated,
-                          {.recording = std::move(recording), .orders = orders, .progress = progress});
   bool stopped = false;
   const auto notice = [&](const std::string&) { stopped = true; };  // said of a signal alone
-  rig::RecordingResult result = rig::record_ports(
-      {.recording = std::move(recording), .orders = orders, .progress = progress, .notice = notice});
+  const bool in_virtual_time = rig.simulated.has_value();
+  rig::RecordingResult result = run_recording(
+      rig, in_virtual_time,
+      {.recording = std::move(recording),
+       .orders = orders,
+       .progress = progress,
+       .progress_period = in_virtual_time ? std::chrono::seconds(1) : std::chrono::milliseconds(250),
+       .notice = notice});
   if (stopped)
     throw Error(ExitCode::interrupted, "stopped before there was a verdict", "rig", "let it listen for 5 s");
   return result;

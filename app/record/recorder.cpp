@@ -7,7 +7,6 @@
 #include <memory>
 #include <vector>
 
-#include "interrupts.h"
 #include "live/live_facts.h"
 #include "live/live_page.h"
 #include "live/live_run.h"
@@ -17,14 +16,13 @@
 #include "print/simulation_text.h"
 #include "progress_output.h"
 #include "recording_setup.h"
+#include "run_recording.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
-#include "thermorig/rig/recording/port_recording.h"
 #include "thermorig/rig/recording/recording.h"
 #include "thermorig/rig/recording/session_file.h"
 #include "thermorig/simulation/simulated_ports/simulated_ports.h"
 #include "thermorig/storage/recording_header/header_json.h"
-#include "virtual_bus.h"
 
 namespace thermorig::app {
 
@@ -85,15 +83,6 @@ void announce(const rig::RecordingOptions& recording, bool json) {
   flush_output();
 }
 
-rig::RecordingResult record_fast(const ChosenRig& rig, rig::RecordingOptions recording,
-                                 ProgressOutput& output) {
-  watch_interrupts();  // the first closes the recording; the second ends the program and leaves the journal
-  return record_virtual(*rig.simulated,
-                        {.recording = std::move(recording),
-                         .stop_requested = interrupted,
-                         .progress = [&](const rig::RecordingProgress& progress) { output.show(progress); }});
-}
-
 /// Share of one core that the recording thread used between the first and the last look at it: without
 /// opening and without finalising.
 class CpuShare {
@@ -118,21 +107,6 @@ class CpuShare {
   Look end_;
 };
 
-rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOutput& output, CpuShare& cpu,
-                                     RecordPage* page) {
-  rig::PortOptions options;
-  options.recording = std::move(recording);
-  options.progress = [&](const rig::RecordingProgress& progress) {
-    cpu.look();
-    output.show(progress);
-    if (page != nullptr) page->progress(progress);
-  };
-  if (page != nullptr) options.orders = [page] { return page->take_orders(); };
-  options.notice = [&](const std::string& sentence) { output.note(sentence); };
-  const auto drive = [&] { return rig::record_ports(options); };
-  return page == nullptr ? drive() : told(*page, drive);
-}
-
 void require_line(const char* option, const std::string& text, const char* advice) {
   if (text.empty() || recording_header::is_line(text)) return;
   throw Error(ExitCode::bad_usage, fmt::format("{} is not a line of up to 1000 bytes of UTF-8", option), "",
@@ -143,7 +117,6 @@ void require_line(const char* option, const std::string& text, const char* advic
 
 void check_recording_words(const RecordOptions& options) {
   rig::check_environment(options.environment);
-  rig::sync_policy_from(options.sync);
   require_line("--licence", options.licence, "name the licence: --licence CC-BY-4.0");
   require_line("--operator", options.operator_name, "a name is enough");
   require_line("--place", options.place, "where the rig stands, e.g. --place 'room 2.11, window'");
@@ -168,15 +141,24 @@ RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig,
   announce(recording, options.json);
   const ProgressStyle style = progress_style(options.json);
   OutputWriter output(progress_output_options(style, options.fast));
-  if (options.fast) {
-    summary.result = record_fast(rig, std::move(recording), *make_progress_output(output, style));
-  } else {
+  {
+    const std::unique_ptr<ProgressOutput> shown = make_progress_output(output, style);
     CpuShare cpu;
     const std::unique_ptr<RecordPage> page =
         options.page.serve ? std::make_unique<RecordPage>(options, recording) : nullptr;
-    summary.result =
-        record_on_ports(std::move(recording), *make_progress_output(output, style), cpu, page.get());
-    summary.cpu_share = cpu.share();
+    rig::PortOptions run;
+    run.recording = std::move(recording);
+    run.progress = [&](const rig::RecordingProgress& progress) {
+      cpu.look();
+      shown->show(progress);
+      if (page) page->progress(progress);
+    };
+    if (options.fast) run.progress_period = std::chrono::seconds(1);
+    if (page) run.orders = [&] { return page->take_orders(); };
+    run.notice = [&](const std::string& sentence) { shown->note(sentence); };
+    const auto drive = [&] { return run_recording(rig, options.fast, run); };
+    summary.result = page ? told(*page, drive) : drive();
+    if (!options.fast) summary.cpu_share = cpu.share();
   }
   output.finish();
   summary.unwritten = output.failure(summary.result.exit);

@@ -69,7 +69,7 @@ rig::RecordingOptions recording_options(const RecordOptions& options, const Chos
   recording.note = options.note;
   recording.profile = rig.profile;
   recording.plan = plan;
-  recording.sync = rig::sync_policy_from(options.sync);
+  recording.sync_period = std::chrono::milliseconds(options.sync_ms);
   recording.replug_patience_s = options.replug_patience_s;
   recording.preflight = options.preflight ? rig::PreflightMode::refuse : rig::PreflightMode::warn;
   recording.simulated = rig.simulated.has_value();

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "thermorig/io/files/part_file.h"
-#include "thermorig/learning/interchange/sink.h"
+#include "thermorig/learning/interchange/formats.h"
 
 namespace thermorig::app {
 

@@ -13,10 +13,7 @@
 #include "session_files.h"
 #include "thermorig/io/spill/spill.h"
 #include "thermorig/learning/dataset/dataset.h"
-#include "thermorig/learning/interchange/csv.h"
-#include "thermorig/learning/interchange/mcap.h"
-#include "thermorig/learning/interchange/npz.h"
-#include "thermorig/learning/interchange/tum.h"
+#include "thermorig/learning/interchange/formats.h"
 
 namespace thermorig::app {
 

@@ -131,19 +131,6 @@ TEST_F(CommandLine, TheDoctorSaysNothingOfARigThatItDidNotLookAt) {
   EXPECT_THAT(outcome.out, HasSubstr("verdict  no rig was checked; this computer is fit to record"));
 }
 
-TEST_F(CommandLine, RefusesColumnsThatAreNotThree) {
-  const Outcome outcome = run("decode --device gyro --columns 7,8 dump.txt");
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("try: --columns 0,1,2"));
-}
-
-TEST_F(CommandLine, SaysThatACameraIsAskedForItsRate) {
-  for (const char* command : {"record", "live", "calibrate", "doctor"}) {
-    const Outcome outcome = run(std::string(command) + " --help");
-    EXPECT_THAT(outcome.out, HasSubstr("camera is asked for")) << command;
-  }
-}
-
 TEST_F(CommandLine, SaysThatACommandIsMissing) {
   const Outcome outcome = run("");
   EXPECT_EQ(outcome.code, 2);
@@ -249,25 +236,11 @@ TEST_F(CommandLine, RefusesARateOrASpeedThatNoRigHas) {
   EXPECT_THAT(run(record + "--speeds 0.001").err, HasSubstr("speeds from 0.01 to 300 deg/s"));
 }
 
-TEST_F(CommandLine, WrapsItsHelpBelowWhereAMeaningBegins) {
-  setenv("COLUMNS", "80", 1);
-  const std::string help = run("calibrate --help").out;
-  std::istringstream lines(help);
-  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
-  EXPECT_THAT(help, HasSubstr("latency (of the\n" + std::string(30, ' ') + "camera)"));
-  EXPECT_THAT(run("record --help").out, testing::Not(HasSubstr("{false}")));
-}
-
 TEST_F(CommandLine, NamesAPathThatTheSystemRefuses) {
   const std::string name(300, 'x');
   const Outcome outcome = run("inspect " + name);
   EXPECT_EQ(outcome.code, 7);
   EXPECT_THAT(outcome.err, HasSubstr("thermorig: " + name + ": File name too long\n  try: "));
-}
-
-TEST_F(CommandLine, SaysThatAWordIsGivenTwice) {
-  EXPECT_THAT(run("record -e garden -e kitchen --simulated").err,
-              HasSubstr("--environment is given 2 times"));
 }
 
 TEST_F(CommandLine, TakesASeedThatIsNotJoinedToItsWord) {

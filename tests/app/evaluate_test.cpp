@@ -75,17 +75,17 @@ TEST_F(EvaluateTest, HoldsAModelAgainstAllFourEstimators) {
   EXPECT_NE(commanded.at("rmse_dps"), shaft.at("rmse_dps"));
 }
 
-TEST_F(EvaluateTest, SaysTheSameOfFramesThatLieOnADisk) {
+TEST_F(EvaluateTest, SaysTheSameOfPackedFrames) {
   record_sessions();
   train();
   const std::string command = "evaluate model.onnx recordings --json --memory ";
   nlohmann::json in_memory = run(command + "1000").lines().back();
-  nlohmann::json on_disk = run(command + "0").lines().back();
-  EXPECT_EQ(in_memory.at("frames_on_disk_bytes"), 0);
-  EXPECT_GT(on_disk.at("frames_on_disk_bytes"), 0);
-  for (const char* name : {"memory_bytes", "frames_in_memory_bytes", "frames_on_disk_bytes"})
-    for (nlohmann::json* object : {&in_memory, &on_disk}) object->erase(name);
-  EXPECT_EQ(in_memory, on_disk);
+  nlohmann::json packed = run(command + "0").lines().back();
+  EXPECT_EQ(in_memory.at("packed_bytes"), 0);
+  EXPECT_GT(packed.at("packed_bytes"), 0);
+  for (const char* name : {"memory_bytes", "packed_bytes", "bytes_on_disk"})
+    for (nlohmann::json* object : {&in_memory, &packed}) object->erase(name);
+  EXPECT_EQ(in_memory, packed);
 }
 
 TEST_F(EvaluateTest, WarnsOfDataThatTheModelWasTrainedOn) {
@@ -306,7 +306,7 @@ TEST_F(EvaluateTest, ListsTheJobsOfAStudyAndWhereTheyStand) {
                                                 "[0-9a-f]{12}  open\n){4}"));
   EXPECT_FALSE(fs::exists(folder() / "study"));
   const std::string id = before.out.substr(0, before.out.find(' '));
-  ASSERT_EQ(run(small_study + " --job " + id).code, 0);
+  ASSERT_EQ(run(small_study + " --shard 1/4").code, 0);
   EXPECT_THAT(results(), testing::ElementsAre(id + ".json"));
   std::vector<nlohmann::json> lines = run(small_study + " --list-jobs --json").lines();
   ASSERT_EQ(lines.size(), 5U);
@@ -357,20 +357,12 @@ TEST_F(EvaluateTest, NamesTheInstructionSetsOfAStudyThatMixesThem) {
 
 TEST_F(EvaluateTest, RefusesPartsThatAStudyHasNot) {
   record_sessions();
-  const Outcome listed = run(small_study + " --list-jobs");
-  std::string id = listed.out.substr(0, listed.out.find(' '));
-  id.back() = id.back() == '0' ? '1' : '0';
-  const Outcome unknown = run(small_study + " --job " + id);
-  EXPECT_EQ(unknown.code, 2);
-  EXPECT_THAT(unknown.err, HasSubstr(id + ": the study has no such job"));
-  EXPECT_THAT(unknown.err, HasSubstr("did you mean \"" + id.substr(0, id.size() - 1)));
   for (const char* const shard : {"0/4", "5/4", "4", "x/4"}) {
     const Outcome outcome = run(small_study + " --shard " + shard);
     EXPECT_EQ(outcome.code, 2) << shard;
     EXPECT_THAT(outcome.err, HasSubstr("--array=1-8")) << shard;
   }
   EXPECT_EQ(run(small_study + " --shard 1/2 --list-jobs").code, 2);
-  EXPECT_EQ(run(small_study + " --shard 1/2 --job x").code, 2);
   EXPECT_EQ(run(small_study + " --shard 1/2 --draw study").code, 2);
   EXPECT_EQ(run("evaluate --study recordings --list-jobs").code, 2);
   EXPECT_EQ(run("evaluate recordings --list-jobs -o study").code, 2);

@@ -120,11 +120,6 @@ TEST_F(Record, SaysWhichSceneStandsForAnEnvironmentThatHasNone) {
   EXPECT_THAT(run(fast + brief_plan).out, Not(HasSubstr("scene")));
 }
 
-TEST_F(Record, RefusesASceneThatThereIsNot) {
-  expect_refused(fast + "--scene kitchn", 2, "did you mean \"kitchen\"?");
-  expect_refused("record --environment garden --scene kitchen", 2, "--scene and --world need --simulated");
-}
-
 TEST_F(Record, SaysItsWorldAndEachKnobThatIsNotHonest) {
   EXPECT_THAT(run(fast + brief_plan).out, HasSubstr("firmware's host build, world honest\n"));
   const Outcome outcome =
@@ -287,10 +282,6 @@ TEST_F(Record, KeepsTheLicenceOfTheData) {
   EXPECT_THAT(run("inspect " + session).out, HasSubstr("licence      CC-BY-4.0"));
 }
 
-TEST_F(Record, RefusesALicenceThatIsNoLineOfText) {
-  expect_refused(fast + "--licence " + std::string(1001, 'x') + " " + brief_plan, 2, "--licence is no line");
-}
-
 TEST_F(Record, RefusesSpeedsThatCannotGiveSoManyValidFramesInARow) {
   expect_refused(fast + "--simulated-servo 180 --speeds 20,200 --frames-per-window 6", 2,
                  "5 x 0.125 s for 6 frames in a row");
@@ -317,22 +308,6 @@ TEST_F(Record, GoesOnUntilEachSpeedHasItsValidFrames) {
   EXPECT_LE(without.lines().back()["frames_swept"], 46);
 }
 
-TEST_F(Record, TellsTheValidFramesOfThePresentSpeed) {
-  const Outcome outcome = run(fast + "--json " + brief_plan);
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const auto lines = outcome.lines();
-  const auto progress =
-      std::find_if(lines.begin(), lines.end(), [](const auto& line) { return line["event"] == "progress"; });
-  ASSERT_NE(progress, lines.end());
-  for (const char* key : {"valid", "valid_quota", "speeds_met"}) EXPECT_TRUE(progress->contains(key)) << key;
-  EXPECT_EQ((*progress)["speed_count"], 4);
-}
-
-TEST_F(Record, RefusesAnEnvironmentWithASlash) {
-  expect_refused("record --simulated --fast --environment a/b", 2, "a/b");
-  expect_refused("record --simulated --fast --environment ../x", 2, "../x");
-}
-
 TEST_F(Record, ShowsTheSumWhenTheCameraCannotSendSoMuch) {
   expect_refused(fast + "--camera-baud 115200 --camera-rate 8", 2, "115");
   const Outcome outcome = run(fast + "--camera-baud 115200 --camera-rate 8");
@@ -346,27 +321,11 @@ TEST_F(Record, ReportsAFailedCheckOfADryRunInItsExitCode) {
   EXPECT_THAT(outcome.out, HasSubstr("NOT OK"));
 }
 
-TEST_F(Record, RefusesSpeedsBeyondTheServosLimits) {
-  expect_refused(fast + "--speeds 30,900", 2, "900");
-}
-
-TEST_F(Record, RefusesLegsTooShortForAnyValidFrame) {
-  expect_refused(fast + "--frames-per-leg 1", 2, "leg");
-}
-
-TEST_F(Record, RefusesAPlanThatIsNotThere) {
-  expect_refused(fast + "--plan nowhere.toml", 2, "nowhere.toml");
-}
-
 TEST_F(Record, RefusesAnOutputFolderThatCannotBeWritten) {
   write("taken", {});
   expect_refused(fast + "--output taken " + brief_plan, 7, "taken");
   expect_refused(fast + "--output /proc/recordings " + brief_plan, 7, "/proc/recordings");
   EXPECT_EQ(run(fast + "--output taken " + brief_plan).out, "");
-}
-
-TEST_F(Record, RefusesVirtualTimeOnRealPorts) {
-  expect_refused("record --fast --environment garden --camera a --gyro b --servo c", 2, "--fast");
 }
 
 TEST_F(Record, RefusesContradictingWords) {
@@ -375,15 +334,12 @@ TEST_F(Record, RefusesContradictingWords) {
                  "--simulated");
   expect_refused("record --environment garden", 2, "no port is named for camera, gyro, servo");
   expect_refused("record --environment garden --rig nowhere.toml", 2, "nowhere.toml");
-}
-
-TEST_F(Record, RefusesWordsOfAPageThatIsNotServed) {
-  expect_refused("record --world honest --simulated=3 --environment garden --control --dry-run", 2,
-                 "no page is served");
-  expect_refused("record --world honest --simulated=3 --environment garden --page-port 9000 --dry-run", 2,
-                 "--page");
-  expect_refused("record --world honest --simulated=3 --environment garden --new-token --dry-run", 2,
-                 "--page");
+  expect_refused("record --environment garden --scene kitchen", 2, "--scene and --world need --simulated");
+  expect_refused("record --fast --environment garden --camera a --gyro b --servo c", 2, "--fast");
+  expect_refused("record --environment garden --control --simulated -n", 2, "no page is served");
+  expect_refused(fast + "--plan nowhere.toml", 2, "nowhere.toml");
+  expect_refused(fast + "--speeds 30,900", 2, "900");
+  expect_refused(fast + "--licence " + std::string(1001, 'x'), 2, "--licence is no line");
 }
 
 TEST_F(Record, SaysWhichPortDoesNotExist) {

@@ -350,32 +350,16 @@ TEST_F(Train, SaysWhenTheDiskIsFull) {
   EXPECT_THAT(file_text(at("err.txt")), HasSubstr("checkpoint.bin"));
 }
 
-TEST_F(Train, GivesTheSameFileFromMemoryAndFromTheDisk) {
-  const Outcome in_memory = run(small + "-o memory.onnx --memory 1000");
-  ASSERT_EQ(in_memory.code, 0) << in_memory.err;
-  EXPECT_THAT(in_memory.out, HasSubstr("frames in memory (limit 1.0 GB)"));
-  const Outcome on_disk = run(small + "-o disk.onnx --memory 0");
-  ASSERT_EQ(on_disk.code, 0) << on_disk.err;
-  EXPECT_THAT(on_disk.out,
-              AllOf(HasSubstr("frames: 0 % fit in 0 B of memory"), HasSubstr("on the disk in /")));
-  EXPECT_EQ(file_text(at("memory.onnx")), file_text(at("disk.onnx")));
-  const auto start = run(small + "-o third.onnx --memory 0 --json").lines().at(0);
+TEST_F(Train, GivesTheSameFileFromPackedFrames) {
+  const Outcome floats = run(small + "-o floats.onnx --memory 1000");
+  ASSERT_EQ(floats.code, 0) << floats.err;
+  EXPECT_THAT(floats.out, HasSubstr("frames in memory (limit 1.0 GB)"));
+  const auto start = run(small + "-o packed.onnx --memory 0 --json").lines().at(0);
+  EXPECT_EQ(file_text(at("floats.onnx")), file_text(at("packed.onnx")));
   EXPECT_EQ(start["memory_bytes"], 0);
-  EXPECT_EQ(start["frames_in_memory_bytes"], 0);
   const double bytes_a_pixel =
-      start["frames_on_disk_bytes"].get<double>() / 24 / 32 / start["data"]["frames"].get<int>();
+      start["packed_bytes"].get<double>() / 24 / 32 / start["data"]["frames"].get<int>();
   EXPECT_EQ(bytes_a_pixel, 2.0);  // hundredths of a degree
-}
-
-TEST_F(Train, RefusesACacheWhoseDiskCannotHoldTheFrames) {
-  const Outcome in_memory = run(small + "-o model.onnx --memory 0 --cache /dev/shm");
-  EXPECT_EQ(in_memory.code, 7);
-  EXPECT_THAT(in_memory.err,
-              AllOf(HasSubstr("no room for frames"), HasSubstr("/dev/shm"), HasSubstr("--memory")));
-  const Outcome missing = run(small + "-o model.onnx --memory 0 --cache nowhere");
-  EXPECT_EQ(missing.code, 2);
-  EXPECT_THAT(missing.err, AllOf(HasSubstr("there is no such folder"), HasSubstr("mkdir")));
-  EXPECT_FALSE(fs::exists(at("model.run")));
 }
 
 TEST_F(Train, DrawsOverOneLineOnATerminalAndNotWithNoColor) {

@@ -64,15 +64,6 @@ def fault_table(figures):
             f"{figures['recoveries']:,} of them\nrecovered to a session; {figures['took_s'] / 60:.0f} minutes.")
 
 
-@layout("sync_cost")
-def sync_cost(lines):
-    return table(["`--sync`", "syncs/s", "sync, median and worst ms", "oldest byte when its sync ended, ms",
-                  "append, median and 99 % us", "CPU, % of a core"],
-                 [[line["sync"], f"{line['syncs_per_s']:.1f}", f"{line['sync_p50_ms']:.2f}, {line['sync_worst_ms']:.1f}",
-                   f"{line['oldest_byte_ms']:.0f}", f"{line['append_p50_us']:.1f}, {line['append_p99_us']:.0f}",
-                   f"{line['cpu_percent']:.1f}"] for line in lines])
-
-
 @layout("live_latency")
 def live_latency(figures):
     return limits([
@@ -147,7 +138,7 @@ def network_differences(figures):
          "<=", 1e-5),
         ("the same of networks that scale each window, from degrees to deg/s",
          figures["onnx_runtime_difference_from_degrees"], "{:.1e}", "<=", 1e-5),
-        ("outputs to PyTorch's, models trained and exported there, 30 shapes", figures["pytorch_export_output_difference"],
+        ("outputs to PyTorch's, weights trained there, 30 shapes", figures["pytorch_weights_output_difference"],
          "{:.1e}", "<=", 1e-5),
         ("gradients to PyTorch's, 45 trainings, three seeds each", figures["pytorch_gradient_difference"], "{:.1e}", "<=", 1e-4),
         ("loss path of 20 steps to PyTorch's, 45 trainings, median of three seeds", figures["pytorch_loss_path_difference"],

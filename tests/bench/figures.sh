@@ -27,7 +27,6 @@ study_raw           | docs/evidence/paper_study.md     | tests/bench/paper_study
 study_calibrated    | docs/evidence/paper_study.md     | tests/bench/paper_study.sh --draw calibrated
 long_session        | docs/evidence/reliability.md     | tests/bench/long_session.sh 24
 fault_table         | docs/evidence/reliability.md     | tests/bench/fault_table.sh --json
-sync_cost           | docs/evidence/reliability.md     | tests/bench/sync_cost.sh --json
 record_peers        | docs/evidence/speed.md           | tests/bench/record_peers.sh
 timing              | docs/evidence/timing_table.md    | tests/bench/timing_table.sh
 label_choice        | docs/evidence/hard_table.md      | tests/bench/label_choice.sh

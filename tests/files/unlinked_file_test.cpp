@@ -38,23 +38,5 @@ TEST_F(UnlinkedFile, IsNotMadeWhereThereIsNoRoom) {
   EXPECT_EQ(open_unlinked(path(), std::uint64_t{1} << 60U), -1);
 }
 
-TEST_F(UnlinkedFile, LiesInAFolderOrNowhere) {
-  const int file = open_unlinked_in(folder_, 1U << 20U);
-  ASSERT_GE(file, 0);
-  ::close(file);
-  EXPECT_EQ(open_unlinked_in(folder_ / "missing", 1U << 20U), -1);
-}
-
-TEST_F(UnlinkedFile, GrowsWhereThereIsRoom) {
-  const int file = open_unlinked(path(), 1000);
-  ASSERT_GE(file, 0);
-  EXPECT_TRUE(grow_unlinked(file, 1000, 500));
-  EXPECT_FALSE(grow_unlinked(file, 1500, std::uint64_t{1} << 60U));
-  struct stat info {};
-  ASSERT_EQ(::fstat(file, &info), 0);
-  EXPECT_EQ(info.st_size, 1500);
-  ::close(file);
-}
-
 }  // namespace
 }  // namespace thermorig::files

@@ -7,10 +7,7 @@
 #include "../session/synthetic_session.h"
 #include "text_sink.h"
 #include "thermorig/learning/dataset/dataset.h"
-#include "thermorig/learning/interchange/csv.h"
-#include "thermorig/learning/interchange/mcap.h"
-#include "thermorig/learning/interchange/npz.h"
-#include "thermorig/learning/interchange/tum.h"
+#include "thermorig/learning/interchange/formats.h"
 
 namespace thermorig::interchange {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-#include "thermorig/learning/interchange/sink.h"
+#include "thermorig/learning/interchange/formats.h"
 
 namespace thermorig::interchange {
 

@@ -83,7 +83,7 @@ void on_pseudo_terminals(InterruptedRecording& recording) {
   SimulatedPorts ports(simulation::default_rig(1, "kitchen"), FirmwareChoice::host_build);
   ports.start();
   recording.options.recording.virtual_time = false;
-  recording.options.recording.sync.when = SyncWhen::period;
+  recording.options.recording.sync_period = std::chrono::milliseconds(125);
   SystemPortLoop loop;
   recording.go(ports.paths(), loop);
 }

@@ -151,7 +151,7 @@ TEST(PlugOnAPseudoTerminal, ThatIsPutBackIsFoundByItsName) {
   PortOptions options;
   options.recording = recording_options(folder, simulation::default_profile(), two_legs());
   options.recording.virtual_time = false;
-  options.recording.sync.when = SyncWhen::period;
+  options.recording.sync_period = std::chrono::milliseconds(125);
   options.recording.replug_patience_s = 30.0;
   for (const Device device : all_devices) options.recording.profile.link(device).port = ports.paths()[device];
   link(ports.paths()[Device::camera]);

@@ -85,7 +85,7 @@ RecordingOptions recording_options(const std::filesystem::path& folder, const Ri
   options.simulation = "virtual time, firmware's host build";
   options.creator = "thermorig test";
   options.virtual_time = true;
-  options.sync.when = SyncWhen::end;
+  options.sync_period = HostDuration::zero();
   return options;
 }
 

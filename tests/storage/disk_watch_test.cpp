@@ -23,7 +23,7 @@ class LateSyncs : public testing::Test {
     header.environment = "garden";
     header.uuid = "00000000-0000-4000-8000-000000000000";
     writer_.emplace("/rec/r.journal", header, 1'000'000, disk_);
-    watch_.emplace(*writer_, rig::SyncPolicy{});
+    watch_.emplace(*writer_, milliseconds(125));
     watch_->look(HostTime{}, {});
   }
 

@@ -10,7 +10,6 @@
 
 #include "judge.h"
 #include "rig/recording/disk_watch.h"
-#include "rig/recording/journal_sync.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/files/part_file.h"
 #include "thermorig/rig/recording/finalise.h"
@@ -371,22 +370,6 @@ TEST(JournalThatFailed, SaysAgainWhatHappenedFirst) {
   const std::string first = failure();
   EXPECT_THAT(first, HasSubstr("No space left"));
   EXPECT_EQ(failure(), first);
-}
-
-TEST(SyncOfEachFrame, KeepsThePeriodWhileNoFramesCome) {
-  MemoryDisk memory = new_disk();
-  memory.make_folder("/rec");
-  FaultDisk disk(memory);
-  disk.keep_calls(nullptr);
-  journal::JournalWriter writer("/rec/s.journal", session().raw.header, 0, disk);
-  const auto syncs = [&] {
-    return std::count_if(disk.calls().begin(), disk.calls().end(),
-                         [](const Call& call) { return call.kind == CallKind::sync; });
-  };
-  const auto before = syncs();
-  rig::VirtualSync sync(writer, {.when = rig::SyncWhen::each_frame}, HostTime{});
-  for (int ms = 0; ms < 1000; ms += 10) sync.tick(HostTime{} + std::chrono::milliseconds(ms));
-  EXPECT_GE(syncs() - before, 8);
 }
 
 TEST(PartFile, OfAKilledProgramOfTheSameNumberIsInNobodysWay) {

@@ -70,32 +70,7 @@ TEST(Shard, IsNothingElse) {
 class JobIds : public SmallStudy {};
 
 TEST_F(JobIds, AreTheNamesOfTheResults) {
-  for (const Job& job : jobs()) {
-    EXPECT_EQ(id_of(job) + ".json", file_name_of(job));
-    EXPECT_EQ(job_of_id(jobs(), id_of(job)), job);
-  }
-}
-
-std::string advice_on(const std::vector<Job>& jobs, const std::string& id) {
-  try {
-    job_of_id(jobs, id);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::bad_usage);
-    EXPECT_EQ(error.where(), id);
-    return error.advice();
-  }
-  return "";
-}
-
-TEST_F(JobIds, ThatAreWrongBringTheNearestToMind) {
-  const std::vector<Job> all = jobs();
-  const std::string id = id_of(all[5]);
-  EXPECT_THAT(advice_on(all, id.substr(0, id.size() - 12) + "aaaaaaaaaaaa"),
-              HasSubstr("did you mean \"" + id));
-  EXPECT_THAT(advice_on(all, id.substr(1)), HasSubstr("did you mean \"" + id));
-  EXPECT_THAT(advice_on(all, id), testing::IsEmpty());
-  EXPECT_EQ(advice_on(all, "3"), "--list-jobs instead of --job lists them all");
-  EXPECT_EQ(advice_on({}, id), "--list-jobs instead of --job lists them all");
+  for (const Job& job : jobs()) EXPECT_EQ(id_of(job) + ".json", file_name_of(job));
 }
 
 }  // namespace

@@ -35,8 +35,8 @@ struct Acquisition {
   std::string licence;             // of the data, as the session says it; "not stated" if it does not
   std::string hash;  // SHA-256, hexadecimal, of frames, commanded speeds, gyro means, times and runs: not of
                      // the file, whose name and creation time do not matter to a model
-  std::vector<float> temp_c;                   // (N, 24, 32); empty where `stored` has them
-  std::shared_ptr<const StoredFrames> stored;  // null: the pixels are in memory
+  std::vector<float> temp_c;                   // (N, 24, 32); empty where `packed` has them
+  std::shared_ptr<const PackedFrames> packed;  // null: they are not
   bool is_labelled_by_gyro =
       false;                       // of a rig without a servo: label_dps is the gyro's, whatever `label` says
   Label label = Label::commanded;  // what label_dps is

@@ -43,19 +43,19 @@ bool may_be_written(std::uint64_t bytes) {
   return ::getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY || bytes <= limit.rlim_cur;
 }
 
-bool takes_room(int file, std::uint64_t from, std::uint64_t bytes) {
+bool takes_room(int file, std::uint64_t bytes) {
   struct statfs disk {};
   if (::fstatfs(file, &disk) != 0) return false;
   if (disk.f_type == TMPFS_MAGIC || disk.f_type == RAMFS_MAGIC) return false;
   const auto free_bytes =
       static_cast<std::uint64_t>(disk.f_bavail) * static_cast<std::uint64_t>(disk.f_bsize);
   return free_bytes >= bytes && free_bytes - bytes >= spared_bytes &&
-         ::fallocate(file, 0, static_cast<off_t>(from), static_cast<off_t>(bytes)) == 0;
+         ::fallocate(file, 0, 0, static_cast<off_t>(bytes)) == 0;
 }
 
 int open_in(const std::filesystem::path& folder, std::uint64_t bytes) {
   const int file = ::open(folder.c_str(), O_TMPFILE | O_EXCL | O_RDWR | O_CLOEXEC, 0600);
-  if (file < 0 || takes_room(file, 0, bytes)) return file;
+  if (file < 0 || takes_room(file, bytes)) return file;
   ::close(file);
   return -1;
 }
@@ -68,14 +68,6 @@ int open_unlinked(const std::filesystem::path& near, std::uint64_t bytes) {
   if (const char* folder = std::getenv("TMPDIR"); file < 0 && folder != nullptr)
     file = open_in(folder, bytes);
   return file < 0 ? open_in("/var/tmp", bytes) : file;
-}
-
-int open_unlinked_in(const std::filesystem::path& folder, std::uint64_t bytes) {
-  return bytes == 0 || !may_be_written(bytes) ? -1 : open_in(folder, bytes);
-}
-
-bool grow_unlinked(int file, std::uint64_t bytes, std::uint64_t more) {
-  return may_be_written(bytes + more) && takes_room(file, bytes, more);
 }
 
 }  // namespace thermorig::files

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "for_each_file.h"
 #include "thermorig/core/error.h"
@@ -20,18 +21,16 @@ struct FileRead {
   std::optional<BadSession> bad;
 };
 
-FileRead read_file(const fs::path& path, Label label, const LeavesOut& leaves_out) {
+FileRead read_file(const fs::path& path, Label label, bool packs, const LeavesOut& leaves_out) {
   const session::Session session = session::read_session(path);
   if (session::is_for_calibration(session.raw.header)) return {};
   std::optional<BadSession> bad = bad_session(session, path);
   if (bad && leaves_out && leaves_out(path)) return {std::nullopt, std::move(bad)};
   require_label(session, label, path);
-  return {acquisition_of(session, name_of(session), label), std::move(bad)};
-}
-
-/// Of what was read, only pixels are much.
-void take_pixels(FileRead& read, FrameStore* store) {
-  if (store != nullptr && read.acquisition) store->take(*read.acquisition);
+  Acquisition acquisition = acquisition_of(session, name_of(session), label);
+  if (packs)
+    acquisition.packed = std::make_shared<network::PackedFrames>(std::exchange(acquisition.temp_c, {}));
+  return {std::move(acquisition), std::move(bad)};
 }
 
 void refuse_copies(const std::vector<FileRead>& reads, const std::vector<fs::path>& files) {
@@ -98,15 +97,11 @@ Acquisition read_acquisition(const fs::path& path) {
 }
 
 Acquisitions read_acquisitions(const std::vector<fs::path>& files, const ReadingProgress& progress,
-                               Label label, FrameStore* store, const LeavesOut& leaves_out) {
+                               Label label, bool packs, const LeavesOut& leaves_out) {
   std::vector<FileRead> reads(files.size());
   for_each_file(
       files.size(),
-      [&](std::size_t index) {
-        reads[index] = read_file(files[index], label, leaves_out);
-        take_pixels(reads[index], store);
-      },
-      progress);
+      [&](std::size_t index) { reads[index] = read_file(files[index], label, packs, leaves_out); }, progress);
   refuse_copies(reads, files);
   return sorted_out(std::move(reads), files);
 }

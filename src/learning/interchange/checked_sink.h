@@ -3,11 +3,21 @@
 
 #include <libdeflate.h>
 
+#include <bit>
 #include <cstdint>
+#include <string>
 
-#include "thermorig/learning/interchange/sink.h"
+#include "thermorig/learning/interchange/formats.h"
 
 namespace thermorig::interchange {
+
+static_assert(std::endian::native == std::endian::little, "these formats are little-endian, and so are we");
+
+/// Appends numbers as they lie in memory.
+template <typename... Numbers>
+void append_little_endian(std::string& bytes, Numbers... numbers) {
+  (bytes.append(reinterpret_cast<const char*>(&numbers), sizeof(numbers)), ...);
+}
 
 /// Counts what is written to it, and sums it up (CRC-32); passes it on where there is another sink.
 class CheckedSink final : public Sink {

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/learning/interchange/mcap.h"
+#include "thermorig/learning/interchange/formats.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <initializer_list>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "facts.h"
-#include "mcap_schemas.h"
 #include "mcap_writer.h"
 #include "thermorig/core/base64.h"
 #include "thermorig/core/validity.h"
@@ -21,6 +23,113 @@
 namespace thermorig::interchange {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json object_of(std::initializer_list<std::pair<const char*, Json>> properties) {
+  Json object{{"type", "object"}, {"properties", Json::object()}};
+  for (const auto& [name, schema] : properties) object["properties"][name] = schema;
+  return object;
+}
+
+Json of_type(const char* type, const char* description = "") {
+  Json schema{{"type", type}};
+  if (*description != '\0') schema["description"] = description;
+  return schema;
+}
+
+/// A number, or null where it is not known.
+Json measured(const char* description) {
+  return {{"type", {"number", "null"}}, {"description", description}};
+}
+
+Json time_with(const char* nanoseconds) {
+  return object_of({{"sec", of_type("integer")}, {nanoseconds, of_type("integer")}});
+}
+
+Json axes_of(const char* description) {
+  Json axes = object_of({{"x", measured("")}, {"y", measured("")}, {"z", measured("")}});
+  axes["description"] = description;
+  return axes;
+}
+
+Json list_of(const char* type) {
+  return {{"type", "array"}, {"items", {{"type", type}}}};
+}
+
+McapChannel channel_of(const char* topic, const char* name, Json schema) {
+  schema["title"] = name;
+  return {topic, name, schema.dump()};
+}
+
+McapChannel camera_channel() {
+  Json data{{"type", "string"}, {"contentEncoding", "base64"}};
+  data["description"] = "degrees Celsius, float32, row by row, as the camera sent them";
+  return channel_of("/camera", "foxglove.RawImage",
+                    object_of({{"timestamp", time_with("nsec")},
+                               {"frame_id", of_type("string")},
+                               {"width", of_type("integer")},
+                               {"height", of_type("integer")},
+                               {"encoding", of_type("string")},
+                               {"step", of_type("integer", "bytes of a row")},
+                               {"data", data}}));
+}
+
+McapChannel gyro_channel() {
+  Json orientation = axes_of("not measured");
+  orientation["properties"]["w"] = of_type("number");
+  return channel_of(
+      "/gyro", "sensor_msgs/Imu",
+      object_of({{"header", object_of({{"stamp", time_with("nanosec")}, {"frame_id", of_type("string")}})},
+                 {"orientation", orientation},
+                 {"orientation_covariance", list_of("number")},
+                 {"angular_velocity", axes_of("rad/s, as the device sent it")},
+                 {"angular_velocity_covariance", list_of("number")},
+                 {"linear_acceleration", axes_of("not measured")},
+                 {"linear_acceleration_covariance", list_of("number")},
+                 {"rate_dps", measured("deg/s about the servo's axis, bias in it")}}));
+}
+
+McapChannel servo_channel() {
+  return channel_of("/servo", "thermorig.Servo",
+                    object_of({{"timestamp", time_with("nsec")},
+                               {"angle_commanded_deg", measured("deg")},
+                               {"rate_commanded_dps", measured("deg/s")},
+                               {"pulse_us", measured("us; 0: no pulse")},
+                               {"leg", of_type("integer", "that is driven; 0: none")}}));
+}
+
+McapChannel label_channel() {
+  return channel_of(
+      "/label", "thermorig.Label",
+      object_of({{"timestamp", time_with("nsec")},
+                 {"frame", of_type("integer", "index into the messages of /camera")},
+                 {"rate_commanded_dps", measured("deg/s over the frame's exposure: the label of trainings")},
+                 {"rate_shaft_dps", measured("deg/s of the shaft by the servo's model")},
+                 {"rate_shaft_uncertainty_dps", measured("deg/s, one standard deviation")},
+                 {"rate_gyro_dps", measured("deg/s, mean over the exposure, bias in it")},
+                 {"angle_commanded_deg", measured("deg")},
+                 {"valid", of_type("boolean")},
+                 {"reasons", list_of("string")},
+                 {"leg", of_type("integer")},
+                 {"run", of_type("integer", "unbroken run of valid frames; 0: none")}}));
+}
+
+McapChannel event_channel() {
+  return channel_of("/events", "foxglove.Log",
+                    object_of({{"timestamp", time_with("nsec")},
+                               {"level", of_type("integer")},
+                               {"message", of_type("string")},
+                               {"name", of_type("string")},
+                               {"file", of_type("string")},
+                               {"line", of_type("integer")}}));
+}
+
+/// The channels of a session: images as foxglove.RawImage, rotation as sensor_msgs/Imu, telemetry, labels,
+/// events as foxglove.Log, in this order.
+std::vector<McapChannel> mcap_channels() {
+  return {camera_channel(), gyro_channel(), servo_channel(), label_channel(), event_channel()};
+}
 
 using Json = nlohmann::ordered_json;
 

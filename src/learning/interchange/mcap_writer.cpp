@@ -7,7 +7,7 @@
 #include <new>
 #include <utility>
 
-#include "little_endian_text.h"
+#include "checked_sink.h"
 
 namespace thermorig::interchange {
 

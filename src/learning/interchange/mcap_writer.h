@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "checked_sink.h"
-#include "thermorig/learning/interchange/mcap.h"
-#include "thermorig/learning/interchange/sink.h"
+#include "thermorig/learning/interchange/formats.h"
 
 namespace thermorig::interchange {
 

@@ -1,23 +1,108 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/learning/interchange/npz.h"
+#include "thermorig/learning/interchange/formats.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
-#include <array>
 #include <nlohmann/json.hpp>
 
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "checked_sink.h"
 #include "facts.h"
-#include "little_endian_text.h"
 #include "thermorig/core/frame.h"
 #include "thermorig/learning/interchange/table.h"
 #include "thermorig/network/scaling.h"
 #include "thermorig/network/window_index.h"
-#include "zip_writer.h"
 
 namespace thermorig::interchange {
 
 namespace {
+
+/// A ZIP archive (APPNOTE 6.3) with members as they are, neither compressed nor limited to 4 GiB. A member is
+/// produced twice, first for its check sum, so that nothing has to be kept or gone back to.
+class ZipWriter {
+ public:
+  explicit ZipWriter(Sink& sink) : sink_(sink) {}
+
+  /// `produce` writes the same bytes each time that it is called.
+  void add(const std::string& name, const std::function<void(Sink&)>& produce);
+
+  /// The central directory; the last call.
+  void finish();
+
+ private:
+  struct Member {
+    std::string name;
+    std::uint32_t crc = 0;
+    std::uint64_t size = 0, begin = 0;
+  };
+  void write(const std::string& bytes);
+  void write_ends(std::uint64_t directory_begin);
+
+  Sink& sink_;
+  std::uint64_t written_ = 0;
+  std::vector<Member> members_;
+};
+
+constexpr std::uint16_t version = 45;  // that of ZIP64
+constexpr std::uint16_t utf8_names = 0x800;
+constexpr std::uint16_t stored = 0;
+constexpr std::uint16_t no_time = 0, first_date = 0x21;  // 1980-01-01: the same session gives the same bytes
+constexpr std::uint16_t zip64_field = 1;
+constexpr std::uint32_t elsewhere = 0xFFFFFFFF;  // the number stands in a field of ZIP64
+constexpr std::uint16_t elsewhere_16 = 0xFFFF;
+
+void ZipWriter::write(const std::string& bytes) {
+  sink_.write(bytes);
+  written_ += bytes.size();
+}
+
+void ZipWriter::add(const std::string& name, const std::function<void(Sink&)>& produce) {
+  CheckedSink dry;
+  produce(dry);
+  members_.push_back({name, dry.crc(), dry.size(), written_});
+  const auto length = static_cast<std::uint16_t>(name.size());
+  std::string header = "PK\x03\x04";
+  append_little_endian(header, version, utf8_names, stored, no_time, first_date, dry.crc(), elsewhere,
+                       elsewhere, length, std::uint16_t{20});
+  header += name;
+  append_little_endian(header, zip64_field, std::uint16_t{16}, dry.size(), dry.size());
+  write(header);
+  produce(sink_);
+  written_ += dry.size();
+}
+
+void ZipWriter::finish() {
+  const std::uint64_t begin = written_;
+  for (const Member& member : members_) {
+    std::string entry = "PK\x01\x02";
+    append_little_endian(entry, version, version, utf8_names, stored, no_time, first_date, member.crc,
+                         elsewhere, elsewhere, static_cast<std::uint16_t>(member.name.size()),
+                         std::uint16_t{28}, std::uint16_t{0}, std::uint16_t{0}, std::uint16_t{0},
+                         std::uint32_t{0}, elsewhere);
+    entry += member.name;
+    append_little_endian(entry, zip64_field, std::uint16_t{24}, member.size, member.size, member.begin);
+    write(entry);
+  }
+  write_ends(begin);
+}
+
+void ZipWriter::write_ends(std::uint64_t directory_begin) {
+  const std::uint64_t directory_end = written_, count = members_.size();
+  std::string ends = "PK\x06\x06";
+  append_little_endian(ends, std::uint64_t{44}, version, version, std::uint32_t{0}, std::uint32_t{0}, count,
+                       count, directory_end - directory_begin, directory_begin);
+  ends += "PK\x06\x07";
+  append_little_endian(ends, std::uint32_t{0}, directory_end, std::uint32_t{1});
+  ends += "PK\x05\x06";
+  append_little_endian(ends, std::uint16_t{0}, std::uint16_t{0}, elsewhere_16, elsewhere_16, elsewhere,
+                       elsewhere, std::uint16_t{0});
+  write(ends);
+}
 
 using Shape = std::vector<std::uint64_t>;
 

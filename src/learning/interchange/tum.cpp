@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/learning/interchange/tum.h"
+#include "thermorig/learning/interchange/formats.h"
 
 #include <fmt/format.h>
 

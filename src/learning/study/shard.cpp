@@ -3,12 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <optional>
 
 #include "thermorig/core/error.h"
-#include "thermorig/core/nearest_name.h"
 
 namespace thermorig::study {
 
@@ -19,21 +17,6 @@ std::optional<int> count_from(std::string_view text) {
   const char* const end = text.data() + text.size();
   const auto [at, error] = std::from_chars(text.data(), end, count);
   return error == std::errc() && at == end ? std::optional(count) : std::nullopt;
-}
-
-/// An id without its digits, which say the least to people.
-std::string words_of(const std::string& id) {
-  return id.substr(0, id.rfind('_'));
-}
-
-/// "did you mean ...? ", if any job comes near.
-std::string guess_at(const std::string& id, std::span<const Job> jobs) {
-  std::vector<std::string> words;
-  for (const Job& job : jobs) words.push_back(words_of(id_of(job)));
-  const auto near = nearest_name(words_of(id), words);
-  if (!near) return "";
-  const auto place = std::ranges::find(words, *near) - words.begin();
-  return fmt::format("did you mean \"{}\"? ", id_of(jobs[static_cast<std::size_t>(place)]));
 }
 
 }  // namespace
@@ -57,13 +40,6 @@ std::vector<Job> jobs_of(const Shard& shard, std::span<const Job> jobs) {
        i += static_cast<std::size_t>(shard.count))
     chosen.push_back(jobs[i]);
   return chosen;
-}
-
-const Job& job_of_id(std::span<const Job> jobs, const std::string& id) {
-  const auto found = std::ranges::find(jobs, id, id_of);
-  if (found != jobs.end()) return *found;
-  throw Error(ExitCode::bad_usage, "the study has no such job", id,
-              guess_at(id, jobs) + "--list-jobs instead of --job lists them all");
 }
 
 }  // namespace thermorig::study

@@ -6,13 +6,6 @@
 
 namespace thermorig::training {
 
-namespace {
-
-constexpr std::size_t windows_ahead =
-    512;  // a disk has some ten milliseconds for them, and many at once to sort
-
-}  // namespace
-
 BatchStream::BatchStream(const WindowSet& set, const EpochPlan& plan, std::size_t windows_a_batch,
                          network::Workers& workers)
     : set_(set),
@@ -20,10 +13,7 @@ BatchStream::BatchStream(const WindowSet& set, const EpochPlan& plan, std::size_
       windows_a_batch_(windows_a_batch),
       workers_(workers),
       buffer_(set),
-      batches_(windows_a_batch == 0 ? 0 : (plan.order.size() + windows_a_batch - 1) / windows_a_batch) {
-  if (!set_.is_partly_stored()) return;
-  for (std::size_t place = 0; place < windows_ahead; ++place) announce(place);
-}
+      batches_(windows_a_batch == 0 ? 0 : (plan.order.size() + windows_a_batch - 1) / windows_a_batch) {}
 
 void BatchStream::add_made(MadeWindows& made, std::size_t windows_a_batch, std::size_t batches) {
   made_ = &made;
@@ -43,30 +33,14 @@ const BatchBuffer& BatchStream::next() {
     buffer_.add(plan_.order[place], network::Turn(plan_.turns[place]));
   if (made_ != nullptr) made_->add_to(buffer_, made_a_batch_);
   assert(buffer_.size() > 0);
-  if (buffer_.has_unprepared()) prepare();
+  if (buffer_.has_unprepared()) workers_.run(share_);
   return buffer_;
-}
-
-void BatchStream::announce(std::size_t place) const {
-  if (place < plan_.order.size()) set_.announce(plan_.order[place]);
-}
-
-void BatchStream::prepare() {
-  workers_.run(share_);
-  if (failure_) std::rethrow_exception(failure_);
 }
 
 void BatchStream::prepare_share(int worker) {
   const auto workers = static_cast<std::size_t>(workers_.size());
-  try {
-    for (std::size_t place = static_cast<std::size_t>(worker); place < buffer_.size(); place += workers) {
-      if (set_.is_partly_stored()) announce(begin_ + place + windows_ahead);
-      buffer_.prepare(place);
-    }
-  } catch (...) {
-    const std::lock_guard lock(mutex_);
-    failure_ = std::current_exception();
-  }
+  for (std::size_t place = static_cast<std::size_t>(worker); place < buffer_.size(); place += workers)
+    buffer_.prepare(place);
 }
 
 }  // namespace thermorig::training

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <exception>
 #include <functional>
-#include <mutex>
 
 #include "epoch_plan.h"
 #include "made_windows.h"
@@ -14,7 +12,7 @@
 namespace thermorig::training {
 
 /// The batches of an epoch, in its order. Windows that are not in memory as the network takes them are
-/// prepared by all workers side by side, and the disk hears of them several batches before they are needed.
+/// prepared by all workers side by side.
 class BatchStream {
  public:
   /// What is handed in must live as long as this.
@@ -26,14 +24,11 @@ class BatchStream {
 
   std::size_t batches() const;
 
-  /// The next one, unchanged until the one after it is asked for. At most batches() times. Throws as
-  /// WindowSet::prepare().
+  /// The next one, unchanged until the one after it is asked for. At most batches() times.
   const BatchBuffer& next();
 
  private:
-  void announce(std::size_t place) const;
   void prepare_share(int worker);
-  void prepare();
 
   const WindowSet& set_;
   const EpochPlan& plan_;
@@ -43,8 +38,6 @@ class BatchStream {
   MadeWindows* made_ = nullptr;
   std::size_t made_a_batch_ = 0, batches_;
   std::size_t begin_ = 0, end_ = 0;  // places in the plan of the batch that is in the buffer
-  std::mutex mutex_;                 // of the failure
-  std::exception_ptr failure_;
   const std::function<void(int)> share_ = [this](int worker) { prepare_share(worker); };
 };
 

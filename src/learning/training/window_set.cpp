@@ -26,8 +26,8 @@ WindowSet::WindowSet(std::span<const Acquisition> acquisitions, std::vector<Wind
     rates_.push_back(network::rates_of(acquisitions_[window.acquisition], window, shape_.frames));
   }
   for (const std::uint32_t index : used)
-    if (acquisitions_[index].stored)
-      is_partly_stored_ = true;
+    if (acquisitions_[index].packed)
+      is_partly_packed_ = true;
     else
       prepared_[index] = network::prepare(acquisitions_[index], shape_, scaling_);
 }
@@ -41,17 +41,11 @@ const float* WindowSet::in_memory(std::size_t index) const {
   return prepared.empty() ? nullptr : prepared.data() + first_frame(index) * shape_.pixels();
 }
 
-void WindowSet::announce(std::size_t index) const {
-  const Acquisition& acquisition = acquisition_of(index);
-  if (acquisition.stored)
-    acquisition.stored->announce(first_frame(index), static_cast<std::size_t>(shape_.frames));
-}
-
 /// Prepared as network::prepare() does it, so that the network sees the same bits.
 void WindowSet::read(std::size_t index, std::span<float> place) const {
   const auto frames = static_cast<std::size_t>(shape_.frames);
   std::array<float, network::max_frames * frame_pixels> temp_c;
-  acquisition_of(index).stored->read(first_frame(index), std::span(temp_c).first(frames * frame_pixels));
+  acquisition_of(index).packed->read(first_frame(index), std::span(temp_c).first(frames * frame_pixels));
   for (std::size_t frame = 0; frame < frames; ++frame)
     network::prepare_frame(std::span(temp_c).subspan(frame * frame_pixels, frame_pixels), shape_, scaling_,
                            place.subspan(frame * shape_.pixels(), shape_.pixels()));

@@ -13,8 +13,8 @@
 namespace thermorig::training {
 
 /// Windows of acquisitions, ready for the network. Keeps the prepared frames, (N, H, W) floats, of an
-/// acquisition that has a window and whose pixels are in memory; those of others are read and prepared window
-/// by window.
+/// acquisition that has a window and whose pixels are not packed; those of others are unpacked and prepared
+/// window by window.
 class WindowSet {
  public:
   /// The windows point into `acquisitions`, which must live as long as this.
@@ -28,17 +28,12 @@ class WindowSet {
     return acquisitions_[windows_[index].acquisition];
   }
   const network::WindowRates& rates(std::size_t index) const { return rates_[index]; }  // deg/s
-  /// Whether there are windows whose frames have to be read.
-  bool is_partly_stored() const { return is_partly_stored_; }
   /// Whether all windows lie in memory as the network takes them.
-  bool is_ready() const { return !is_partly_stored_ && !scaling_.by_window; }
+  bool is_ready() const { return !is_partly_packed_ && !scaling_.by_window; }
   /// (Nf, H, W), normalised; null: prepare() makes it.
   const float* frames(std::size_t index) const { return is_ready() ? in_memory(index) : nullptr; }
-  /// The window as the network takes it, turned, to `place`, of so many values. Throws as
-  /// network::StoredFrames::read().
+  /// The window as the network takes it, turned, to `place`, of so many values.
   void prepare(std::size_t index, network::Turn turn, std::span<float> place) const;
-  /// They will be read soon, if they have to be.
-  void announce(std::size_t index) const;
   /// Deg/s that the network calls 1 there.
   float speed_scale_dps(std::size_t index) const {
     return scaling_.speed_scale_dps(acquisition_of(index).frame_period_s);
@@ -55,8 +50,8 @@ class WindowSet {
   std::vector<network::Window> windows_;
   network::Shape shape_;
   network::Scaling scaling_;
-  std::vector<std::vector<float>> prepared_;  // by acquisition; empty: stored, or without a window
-  bool is_partly_stored_ = false;
+  std::vector<std::vector<float>> prepared_;  // by acquisition; empty: packed, or without a window
+  bool is_partly_packed_ = false;
   std::vector<network::WindowRates> rates_;  // by window
 };
 
@@ -76,7 +71,7 @@ class BatchBuffer {
   void add(std::size_t index, network::Turn turn = network::Turn());
   void add(const MadeWindow& window, network::Turn turn);
   /// Prepares the one at this place, if it has to be: before batch() is used. May be called from several
-  /// threads, for a place each. Throws as WindowSet::prepare().
+  /// threads, for a place each.
   void prepare(std::size_t place);
   std::size_t size() const { return frames_.size(); }
   /// Whether there is one.

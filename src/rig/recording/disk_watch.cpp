@@ -25,20 +25,18 @@ RecordingEvent warning(HostTime now, std::string message) {
   return {now, EventKind::warning, std::nullopt, std::move(message)};
 }
 
-std::string when_synced(const SyncPolicy& policy) {
-  if (policy.when == SyncWhen::each_frame) return "after each frame";
-  if (policy.when == SyncWhen::end) return "at the end";
-  return fmt::format("every {} ms", to_text(policy));
+std::string when_synced(HostDuration period) {
+  return period == HostDuration::zero() ? "at the end" : fmt::format("every {:.0f} ms", to_s(period) * 1e3);
 }
 
 /// As `doctor` judges a disk; else the sync began late: the computer was busy.
-bool is_of_disk(const LateSync& late, const SyncPolicy& policy) {
-  return late.lasted > policy.period;
+bool is_of_disk(const LateSync& late, HostDuration period) {
+  return late.lasted > period;
 }
 
-std::string text_of(const LateSync& late, const SyncPolicy& policy) {
+std::string text_of(const LateSync& late, HostDuration period) {
   const std::string cause =
-      is_of_disk(late, policy)
+      is_of_disk(late, period)
           ? fmt::format("the disk is slow: a sync took {:.0f} ms", to_s(late.lasted) * 1e3)
           : std::string("this computer is busy: a sync ended late");
   return fmt::format(
@@ -58,21 +56,21 @@ void require_space(files::Disk& disk, const std::filesystem::path& path, std::ui
               path.string(), "free some space, or record to another disk with --output");
 }
 
-DiskWatch::DiskWatch(journal::JournalWriter& journal, const SyncPolicy& policy)
-    : journal_(journal), policy_(policy), step_(std::max(smallest_step, journal.reserved() / 8)) {}
+DiskWatch::DiskWatch(journal::JournalWriter& journal, HostDuration period)
+    : journal_(journal), sync_period_(period), step_(std::max(smallest_step, journal.reserved() / 8)) {}
 
 std::vector<RecordingEvent> DiskWatch::look(HostTime now, const std::optional<LateSync>& late) {
   std::vector<RecordingEvent> said;
-  const bool is_told = late && (is_of_disk(*late, policy_) || late->waited > 2 * policy_.period);
+  const bool is_told = late && (is_of_disk(*late, sync_period_) || late->waited > 2 * sync_period_);
   if (is_told && now >= next_late_) {
     next_late_ = now + late_told_period;
-    said.push_back(warning(now, text_of(*late, policy_)));
+    said.push_back(warning(now, text_of(*late, sync_period_)));
   }
   if (!next_look_)
     said.push_back(
         {now, EventKind::info, std::nullopt,
          fmt::format(
-             "saved to disk {}; {:.1f} MB {}", when_synced(policy_), megabytes(journal_.reserved()),
+             "saved to disk {}; {:.1f} MB {}", when_synced(sync_period_), megabytes(journal_.reserved()),
              journal_.can_reserve() ? "reserved" : "expected (this file system cannot reserve them)")});
   if (next_look_ && now < *next_look_) return said;
   next_look_ = now + look_period;

@@ -8,7 +8,6 @@
 
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/io/files/disk.h"
-#include "thermorig/rig/recording/sync_policy.h"
 #include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::rig {
@@ -27,7 +26,10 @@ struct LateSync {
 /// what ought to be known.
 class DiskWatch {
  public:
-  DiskWatch(journal::JournalWriter& journal, const SyncPolicy& policy);
+  /// `sync_period`: 0: it is synced at its end alone.
+  DiskWatch(journal::JournalWriter& journal, HostDuration sync_period);
+
+  HostDuration sync_period() const { return sync_period_; }
 
   /// The first look says when the journal is synced. `late`: bytes had to wait for their sync for longer than
   /// was promised: that is said where the sync itself took longer than the period, and from twice the period
@@ -39,7 +41,7 @@ class DiskWatch {
   void look_at_space(HostTime now, std::vector<RecordingEvent>& said);
 
   journal::JournalWriter& journal_;
-  SyncPolicy policy_;
+  HostDuration sync_period_;
   std::uint64_t step_;  // of the reserve, bytes
   std::optional<HostTime> next_look_;
   HostTime next_late_{};  // that may be told of

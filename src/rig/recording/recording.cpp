@@ -24,7 +24,7 @@ Recording::~Recording() = default;
 
 void Recording::received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived) {
   Parts& parts = *parts_;
-  parts.journal->received(from, bytes, arrived);
+  parts.journal.received(from, bytes, arrived);
   parts.devices.received(from, bytes);
   parts.presence[from].received(bytes, arrived);
   const std::vector<Measurement> measurements = parts.pipeline.feed(from, bytes, arrived);
@@ -43,11 +43,10 @@ void Recording::Parts::take(const pipeline::Streams& streams, const std::vector<
 void Recording::Parts::observe(const std::vector<Measurement>& measurements, HostTime arrived) {
   if (!options.observe) return;
   for (const Measurement& measurement : measurements)
-    if (const auto row = options.observe(measurement, arrived)) journal->estimate(*row);
+    if (const auto row = options.observe(measurement, arrived)) journal.estimate(*row);
 }
 
 void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime arrived) {
-  if (!streams.frames.empty()) journal->frame();
   for (const TimedFrame& frame : streams.frames) {
     if (devices.frame(frame, arrived)) presence[Device::camera].message();
     start.watch().frame(frame);
@@ -105,7 +104,7 @@ void Recording::Parts::note_layout(HostTime now) {
 
 void Recording::tick(HostTime now) {
   Parts& parts = *parts_;
-  for (const RecordingEvent& happened : parts.journal->check(now)) parts.event(happened);
+  for (const RecordingEvent& happened : parts.journal.check(now)) parts.event(happened);
   if (done()) return;
   parts.note_layout(now);
   parts.ask_for_streams(now);
@@ -152,7 +151,7 @@ void Recording::Parts::ask_for_streams(HostTime now) {
 
 void Recording::Parts::write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now) {
   if (bytes.empty()) return;
-  journal->sent(device, bytes, now);
+  journal.sent(device, bytes, now);
   pipeline.sent(device, bytes, now);
   send(device, bytes);
 }
@@ -217,12 +216,12 @@ void Recording::Parts::check_devices(HostTime now) {
 void Recording::Parts::drain_sweep(HostTime now) {
   const SweepNews news = sweep.take_news();
   for (const RecordingEvent& happened : news.events) event(happened);
-  for (const LegRecord& leg : news.legs) journal->leg(leg);
+  for (const LegRecord& leg : news.legs) journal.leg(leg);
   if (news.is_complete) event({now, EventKind::finished, std::nullopt, "the plan is complete"});
 }
 
 void Recording::Parts::event(const RecordingEvent& happened) {
-  journal->event(happened);
+  journal.event(happened);
   new_events.push_back(happened);
 }
 
@@ -293,7 +292,7 @@ RecordingOutcome Recording::outcome(HostTime now) const {
 }
 
 const SessionFile& Recording::file() const {
-  return parts_->journal->file();
+  return parts_->journal.file();
 }
 
 files::Disk& Recording::disk() const {
@@ -318,7 +317,7 @@ RecordingProgress Recording::progress(HostTime now) {
   progress.events = std::exchange(parts.new_events, {});
   progress.last_sample = parts.last_sample;
   progress.gone = parts.done_without();
-  progress.kept_bytes = parts.journal->bytes();
+  progress.kept_bytes = parts.journal.bytes();
   progress.heard_s = parts.start.heard_s(now);
   progress.stopping = parts.end.is_coming();
   return progress;
@@ -327,7 +326,7 @@ RecordingProgress Recording::progress(HostTime now) {
 void Recording::Parts::close(HostTime now) {
   observe(pipeline.finish(), now);
   drain_sweep(now);
-  journal->close(now);
+  journal.close(now);
 }
 
 /// A computer without a battery for its clock learns the time from the network, at any moment.
@@ -351,7 +350,7 @@ SessionFile Recording::close(HostTime now) {
 
 void Recording::discard(HostTime now) {
   parts_->close(now);
-  parts_->journal->discard();
+  parts_->journal.discard();
 }
 
 }  // namespace thermorig::rig

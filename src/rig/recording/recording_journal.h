@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "thermorig/core/raw_recording.h"
@@ -13,43 +12,40 @@
 
 namespace thermorig::rig {
 
-/// Where all of a recording is written, before anything else sees it. This one is of a recording that keeps
-/// nothing: whatever it is given is dropped. open_journal() makes the one of a recording that is kept.
+/// Where all of a recording is written, before anything else sees it: the journal on the disk, its lock and
+/// its syncs. Of a recording that keeps nothing whatever it is given is dropped.
 class RecordingJournal {
  public:
-  RecordingJournal() = default;
-  virtual ~RecordingJournal() = default;
+  /// Chooses the number, which it puts into the header, and creates the journal, unless `options.keep` is
+  /// false. Throws Error: bad_usage, storage.
+  RecordingJournal(const RecordingOptions& options, RecordingHeader& header);
+  ~RecordingJournal();
   RecordingJournal(const RecordingJournal&) = delete;
   RecordingJournal& operator=(const RecordingJournal&) = delete;
 
-  virtual void received(Device, std::span<const std::uint8_t>, HostTime /*arrived*/) {}
-  virtual void sent(Device, std::span<const std::uint8_t>, HostTime) {}
-  virtual void event(const RecordingEvent&) {}
-  virtual void leg(const LegRecord&) {}
-  virtual void estimate(const EstimateRow&) {}
-  virtual void frame() {}  // a whole frame has been received: it may be synced now
+  void received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived);
+  void sent(Device to, std::span<const std::uint8_t> bytes, HostTime time);
+  void event(const RecordingEvent& event);
+  void leg(const LegRecord& leg);
+  void estimate(const EstimateRow& row);
 
   /// Every 10 ms or so. Throws what a sync threw; gives what is to be said of the disk, its space and its
   /// speed.
-  virtual std::vector<RecordingEvent> check(HostTime) { return {}; }
+  std::vector<RecordingEvent> check(HostTime now);
 
   /// End record, sync. It stays locked until this object goes: nobody but the caller makes a session of it.
-  virtual void close(HostTime) {}
+  void close(HostTime end);
   /// Removes the closed journal and the folders that were made for it.
-  virtual void discard() {}
+  void discard();
 
-  virtual std::uint64_t bytes() const { return 0; }  // written
-  const SessionFile& file() const { return file_; }
-
- protected:
-  explicit RecordingJournal(SessionFile file) : file_(std::move(file)) {}
+  std::uint64_t bytes() const;                       // written
+  const SessionFile& file() const { return file_; }  // without names: nothing is kept
 
  private:
-  SessionFile file_;  // without names: nothing is kept
-};
+  struct Kept;
 
-/// Chooses the number, which it puts into the header, and creates the journal, unless `options.keep` is
-/// false. Throws Error: bad_usage, storage.
-std::unique_ptr<RecordingJournal> open_journal(const RecordingOptions& options, RecordingHeader& header);
+  SessionFile file_;
+  std::unique_ptr<Kept> kept_;  // null: nothing is kept
+};
 
 }  // namespace thermorig::rig

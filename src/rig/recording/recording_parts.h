@@ -37,7 +37,7 @@ struct Recording::Parts {
         send(std::move(send_to)),
         wall_offset_ns(rig::wall_offset_ns(options)),
         header(make_header(options, now)),
-        journal(open_journal(options, header)),
+        journal(options, header),
         pipeline(options.profile),
         servo_driver(make_servo_driver(options.profile.servo)),
         commander(*servo_driver),
@@ -99,7 +99,7 @@ struct Recording::Parts {
   Send send;
   std::int64_t wall_offset_ns;  // at the begin
   RecordingHeader header;
-  std::unique_ptr<RecordingJournal> journal;
+  RecordingJournal journal;
   pipeline::Pipeline pipeline;
   std::unique_ptr<ServoDriver> servo_driver;
   ServoDriver& commander;  // the same

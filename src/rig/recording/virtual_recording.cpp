@@ -24,7 +24,7 @@ RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options) {
   HostTime now = options.start;
   RecordingOptions recording_options = options.recording;
   recording_options.virtual_time = true;
-  recording_options.sync.when = SyncWhen::end;
+  recording_options.sync_period = HostDuration::zero();
   Recording recording(recording_options, now,
                       [&](Device to, std::span<const std::uint8_t> bytes) { bus.send(to, bytes, now); });
   HostTime next_progress = now;

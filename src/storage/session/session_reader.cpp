@@ -5,19 +5,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
-#include <mutex>
 #include <optional>
 #include <set>
 
 #include "attributes.h"
-#include "estimate_columns.h"
-#include "file_driver.h"
-#include "format.h"
 #include "group_reader.h"
 #include "message_marks.h"
-#include "profile_attributes.h"
+#include "open_session.h"
 #include "recording_columns.h"
 #include "sample_columns.h"
 #include "scalars.h"
@@ -28,7 +23,6 @@
 #include "thermorig/core/count_text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/wire/counter_names.h"
-#include "thermorig/storage/recording_header/header_json.h"
 #include "thermorig/storage/session/annotations.h"
 #include "thermorig/storage/session/rows.h"
 #include "thermorig/storage/session/salvage.h"
@@ -66,141 +60,6 @@ struct PassedStream {
 namespace fs = std::filesystem;
 
 constexpr double longest_delay_s = 10.0;
-
-/// "<major>.<minor>.<patch>", of a major version that this program reads.
-std::optional<FormatVersion> version_of(const std::string& text) {
-  FormatVersion version;
-  unsigned patch = 0;
-  char behind = 0;
-  const int fields =
-      std::sscanf(text.c_str(), "%3u.%3u.%3u%c", &version.major, &version.minor, &patch, &behind);
-  if (fields != 3 || version.major < first_format_major || version.major > format_version.major)
-    return std::nullopt;
-  return version;
-}
-
-/// A session file that has shown its format; gives access to its groups.
-class SessionFile {
- public:
-  /// `source` must outlive this.
-  explicit SessionFile(DriverSource& source) : path_(source.file->path()) {
-    const fs::path& path = path_;
-    facts_.bytes = source.end;
-    facts_.bytes_there = source.file->size();
-    if (source.end == 0) refuse(path, "is empty");
-    if (!is_cut()) require_whole(*source.file);
-    file_ = open_to_read(source, "open it as HDF5");
-    require_nothing_behind(source.used);
-    if (!has_attribute(id(), "format") || get_text_attribute(id(), "format") != format_name)
-      refuse(path, "is HDF5, but not a thermorig session");
-    const std::string version = get_text_attribute(id(), "format_version");
-    const auto known = version_of(version);
-    if (!known)
-      refuse(path, fmt::format("is a session of format version {}, and this program reads versions {} to {}",
-                               version, first_format_major, format_version.major));
-    facts_.version = *known;
-  }
-
-  hid_t id() const { return file_.get(); }
-  const fs::path& path() const { return path_; }
-
-  GroupReader group(const std::string& path) const { return GroupReader(id(), path, facts_); }
-
-  bool has_group(const std::string& path) const {
-    return check(H5Lexists(id(), path.c_str(), H5P_DEFAULT), "look for groups") > 0;
-  }
-
-  RecordingHeader read_header() {
-    using recording_header::ProfileAndPlan;
-    const bool is_apart = version() >= with_profile_apart;
-    header_text_ = get_text_attribute(group("/rig").id(), "header_json");
-    auto header = recording_header::header_from_json_text(
-        header_text_, path_.string(), is_apart ? ProfileAndPlan::elsewhere : ProfileAndPlan::in_header);
-    if (is_apart) {
-      header.profile = profile();
-      header.plan_toml = group("/rig").text(plan_column);
-    }
-    facts_.reference = header.time_reference;
-    header.licence = licence();
-    return header;
-  }
-
-  /// As it stands in the file; of use after read_header().
-  const std::string& header_text() const { return header_text_; }
-
-  FormatVersion version() const { return facts_.version; }
-  bool is_cut() const { return facts_.is_cut(); }
-
- private:
-  /// HDF5 does not look beyond the end that the file states: what was appended would travel with the session,
-  /// unseen.
-  void require_nothing_behind(std::uint64_t end) const {
-    if (end < facts_.bytes)
-      refuse(path_, fmt::format("ends after {} bytes, and {} more stand behind", end, facts_.bytes - end));
-  }
-
-  /// Other readers may change what stands in attributes: these must be what was written.
-  RigProfile profile() const {
-    if (facts_.is_cut()) return read_profile(id(), path_);  // the sums are written last
-    const std::string sums = group("/quality").text(attribute_sums_column);
-    const std::vector<std::string> altered = altered_attributes(id(), profile_group, sums);
-    if (!altered.empty()) throw Hdf5Failure("believe " + altered.front() + ": it differs from its checksum");
-    return read_profile(id(), path_);
-  }
-
-  /// What the attribute says, not the header: owners of data state the licence of files that they have.
-  std::string licence() const {
-    if (!has_attribute(id(), "license")) return "";
-    std::string licence = get_text_attribute(id(), "license");
-    if (licence.empty() || licence == licence_not_stated) return "";
-    if (!recording_header::is_line(licence))
-      refuse(path_, "has an attribute `license` that is not a line of up to 1000 bytes of UTF-8");
-    return licence;
-  }
-
-  fs::path path_;
-  FileFacts facts_;
-  Handle file_;
-  std::string header_text_;
-};
-
-/// Chunks that follow each other and end with the last byte, at times that a recording can have.
-template <typename Stream>
-void read_stream(const SessionFile& file, const std::string& name, const char* time_name, HostTime reference,
-                 Stream& stream) {
-  auto group = file.group("/raw/" + name);
-  std::uint64_t end = 0;
-  const auto set_end = [&](std::uint64_t& at, std::uint64_t chunk_end) {
-    if (chunk_end < end) throw Hdf5Failure("believe the chunks of /raw/" + name);
-    at = end = chunk_end;
-  };
-  const auto set_time = [&](std::int64_t& at, std::int64_t ns) {
-    if (!is_of_recording(host_time_ns(ns), reference)) throw Hdf5Failure("believe the times of /raw/" + name);
-    at = ns;
-  };
-  raw_columns(group, stream, time_name, "", set_end, set_time);
-  if (end != stream.bytes.size() && !file.is_cut()) throw Hdf5Failure("believe the chunks of /raw/" + name);
-}
-
-/// Of a live run; other sessions have none. Before format 2 the header named no estimators.
-std::vector<EstimateRow> read_estimates(const SessionFile& file, RecordingHeader& header) {
-  std::vector<EstimateRow> rows;
-  if (!file.has_group("/estimates")) return rows;
-  auto group = file.group("/estimates");
-  estimate_row_columns(group, rows);
-  if (file.version() < with_named_estimators) {
-    estimate_columns_before_format_2(group, rows);
-    header.estimators = columns_before_format_2(header.live_model);
-  } else {
-    estimate_columns_by_name(group, rows, EstimateAxes(header.estimators));
-  }
-  const auto not_ascending = [](const EstimateRow& a, const EstimateRow& b) {
-    return a.frame_index >= b.frame_index;
-  };
-  if (std::adjacent_find(rows.begin(), rows.end(), not_ascending) != rows.end())
-    throw Hdf5Failure("believe /estimates/frame: it does not ascend");
-  return rows;
-}
 
 /// The bytes of the ports: most of a session, and of no use to who only looks at it.
 template <typename Stream>
@@ -313,17 +172,6 @@ void complete_labels(FormatVersion version, std::vector<LabelledSample>& samples
     sample.rate_gyro_half_dps = {unknown, unknown};
     sample.gyro_spread_dps = unknown;
   }
-}
-
-/// What was said of it afterwards; most sessions have none.
-std::vector<Annotation> read_annotations(const SessionFile& file) {
-  std::vector<Annotation> annotations;
-  if (!file.has_group("/annotations")) return annotations;
-  auto group = file.group("/annotations");
-  annotation_columns(group, annotations);
-  for (const Annotation& annotation : annotations)
-    if (const auto problem = problem_of(annotation)) throw Hdf5Failure("believe /annotations: " + *problem);
-  return annotations;
 }
 
 unsigned label_version_of(FormatVersion version) {
@@ -564,91 +412,6 @@ AddedByOthers read_added(SessionFile& file) {
   return {std::move(attributes), {}};
 }
 
-template <typename Read>
-bool is_left(Read read) {
-  try {
-    read();
-    return true;
-  } catch (const Hdf5Failure&) {
-    return false;
-  }
-}
-
-/// The chunks of which all bytes are there.
-void drop_torn_chunk(RawStream& stream) {
-  while (!stream.chunk_end.empty() && stream.chunk_end.back() > stream.bytes.size())
-    stream.chunk_end.pop_back();
-  stream.time_ns.resize(stream.chunk_end.size());
-  stream.bytes.resize(stream.chunk_end.empty() ? 0 : stream.chunk_end.back());
-}
-
-void read_what_is_left(const SessionFile& file, const std::string& name, const char* time_name,
-                       HostTime reference, RawStream& stream) {
-  if (!is_left([&] { read_stream(file, name, time_name, reference, stream); })) stream = {};
-  drop_torn_chunk(stream);
-}
-
-Salvaged read_salvaged(SessionFile& file) {
-  Salvaged left;
-  RawRecording& raw = left.raw;
-  raw.header = file.read_header();
-  raw.end_time = raw.header.time_reference;
-  for (const Device device : all_devices) {
-    RawStream& received = raw.received[device];
-    read_what_is_left(file, std::string(name_of(device)), "arrival_ns", raw.header.time_reference, received);
-    read_what_is_left(file, sent_group(device), "sent_ns", raw.header.time_reference, raw.sent[device]);
-    if (received.chunk_count() > 0)
-      raw.end_time = std::max(raw.end_time, received.time(received.chunk_count() - 1));
-  }
-  const auto keep = [](auto& rows, auto read) {
-    if (!is_left(read)) rows.clear();
-  };
-  keep(raw.events, [&] {
-    auto events = file.group("/events");
-    event_columns(events, raw.events);
-  });
-  keep(raw.legs, [&] {
-    auto servo = file.group("/servo");
-    step_columns(servo, raw.legs);
-  });
-  keep(raw.estimates, [&] { raw.estimates = read_estimates(file, raw.header); });
-  keep(left.annotations, [&] { left.annotations = read_annotations(file); });
-  return left;
-}
-
-/// Who holds hdf5_turn() reads. `end`: of the file.
-template <typename Read>
-auto read_or_explain(const StoredFile& stored, std::uint64_t end, Read read) {
-  DriverSource source{&stored, end, 0, nullptr};
-  try {
-    prepare_hdf5();
-    const ClearedErrors cleared;
-    SessionFile file(source);
-    return read(file);
-  } catch (const Hdf5Failure& failure) {
-    if (source.failure) std::rethrow_exception(source.failure);
-    refuse(stored.path(), failure.what());
-  } catch (const std::bad_alloc&) {
-    refuse(stored.path(), "claims to be larger than the memory of this computer");
-  }
-}
-
-/// A child process first, if one tries files; it begins while no other thread is in the library.
-template <typename Read>
-void try_first(const StoredFile& stored, std::uint64_t end, Read read) {
-  if (!are_sessions_tried()) return;
-  std::unique_lock turn(hdf5_turn());
-  Trial trial(stored, [&] { read_or_explain(stored, end, read); });
-  turn.unlock();
-  trial.require_good();
-}
-
-template <typename Read>
-auto read_in_turn(const StoredFile& stored, std::uint64_t end, Read read) {
-  const std::lock_guard turn(hdf5_turn());
-  return read_or_explain(stored, end, read);
-}
-
 /// What reads a part of a session.
 template <typename Read>
 auto tried_and_read(const StoredFile& stored, Read read) {
@@ -658,11 +421,6 @@ auto tried_and_read(const StoredFile& stored, Read read) {
 }
 
 }  // namespace
-
-std::mutex& hdf5_turn() {
-  static std::mutex turn;
-  return turn;
-}
 
 Session read_session(const StoredFile& file) {
   require_whole(file);
@@ -706,36 +464,6 @@ void require_readable(const StoredFile& file) {
   require_whole(file);
   if (are_sessions_tried()) return try_first(file, file.size(), look_at_all);
   read_in_turn(file, file.size(), look_at_all);
-}
-
-bool is_cut_short(const StoredFile& file) {
-  return file.stated_end() > file.size();
-}
-
-void require_whole(const StoredFile& file) {
-  if (!is_cut_short(file)) return;
-  throw Error(ExitCode::not_a_session,
-              fmt::format("was cut short: {} of {} bytes are there", count_text(file.size()),
-                          count_text(file.stated_end())),
-              file.path().string(),
-              "copy it again; if this is all there is: thermorig recover " + file.path().string());
-}
-
-Salvaged salvage(const StoredFile& file) {
-  // Of a file that says that it ought to have a thousand times as many bytes nothing can be left.
-  constexpr std::uint64_t largest_share = 1000;
-  const std::uint64_t whole = std::max(file.stated_end(), file.size());
-  if (whole / largest_share > file.size())
-    refuse(file.path(), "was cut short, and too little is left to make anything of it");
-  try_first(file, whole, read_salvaged);
-  Salvaged left = read_in_turn(file, whole, read_salvaged);
-  left.bytes_missing = whole - file.size();
-  const bool has_frames = left.raw.received[Device::camera].chunk_count() > 0;
-  if (!has_frames)
-    refuse(file.path(), fmt::format("was cut short before the raw data of its camera: {} of {} bytes "
-                                    "are there",
-                                    count_text(file.size()), count_text(whole)));
-  return left;
 }
 
 }  // namespace thermorig::session

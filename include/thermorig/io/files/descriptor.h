@@ -29,11 +29,4 @@ class Descriptor {
 /// room and much to spare, or is a disk that knows such files (tmpfs lies in memory, and is none).
 int open_unlinked(const std::filesystem::path& near, std::uint64_t bytes);
 
-/// The same in that folder or nowhere.
-int open_unlinked_in(const std::filesystem::path& folder, std::uint64_t bytes);
-
-/// Lets such a file of `bytes` grow to `more` beyond them, whose room is taken at once as well. False: there
-/// is no room, and nothing has changed.
-bool grow_unlinked(int file, std::uint64_t bytes, std::uint64_t more);
-
 }  // namespace thermorig::files

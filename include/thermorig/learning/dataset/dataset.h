@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "thermorig/core/label.h"
-#include "thermorig/learning/dataset/frame_store.h"
 #include "thermorig/network/acquisition.h"
 #include "thermorig/storage/session/session.h"
 
@@ -69,13 +68,12 @@ struct Acquisitions {
 /// Is a file left out, if its verdict is bad? May be called from several threads.
 using LeavesOut = std::function<bool(const std::filesystem::path&)>;
 
-/// Reads all of them, on all cores, with that label; `store` takes the pixels of each as soon as it is read,
-/// null: they stay in memory. Of the bad ones those are left out that `leaves_out` says; empty: none. Throws
-/// Error(not_a_session) also where two files hold the same recording, and as require_label() and
-/// FrameStore::take().
+/// Reads all of them, on all cores, with that label; `packs`: the pixels of each, as soon as it is read. Of
+/// the bad ones those are left out that `leaves_out` says; empty: none. Throws Error(not_a_session) also
+/// where two files hold the same recording, and as require_label().
 Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files,
                                const ReadingProgress& progress = {}, Label label = Label::commanded,
-                               FrameStore* store = nullptr, const LeavesOut& leaves_out = {});
+                               bool packs = false, const LeavesOut& leaves_out = {});
 
 /// Whether the estimates of an acquisition are wanted.
 using IsWanted = std::function<bool(const network::Acquisition&)>;

@@ -23,7 +23,4 @@ Shard shard_from(std::string_view text);
 /// none.
 std::vector<Job> jobs_of(const Shard& shard, std::span<const Job> jobs);
 
-/// The job of that id (id_of). Throws Error(bad_usage), with the nearest one there is.
-const Job& job_of_id(std::span<const Job> jobs, const std::string& id);
-
 }  // namespace thermorig::study

@@ -22,7 +22,6 @@
 #include "thermorig/rig/recording/order.h"
 #include "thermorig/rig/recording/preflight.h"
 #include "thermorig/rig/recording/session_file.h"
-#include "thermorig/rig/recording/sync_policy.h"
 #include "thermorig/rig/sweep/plan.h"
 #include "thermorig/rig/sweep/quota.h"
 #include "thermorig/rig/sweep/sweep.h"
@@ -48,8 +47,9 @@ struct RecordingOptions {
   std::string simulation;  // "virtual time, firmware's host build", ...
   std::string creator;     // "thermorig 0.1.0"
   std::string creator_git;
-  double start_patience_s = 6.0;   // each device must have sent a good message by then
-  SyncPolicy sync;                 // when the journal is synced to the disk
+  double start_patience_s = 6.0;  // each device must have sent a good message by then
+  // The journal is synced so often: a loss of power costs as much. 0: only at its end.
+  HostDuration sync_period = std::chrono::milliseconds(125);
   files::Disk* disk = nullptr;     // to keep it on; none: the system's
   double replug_patience_s = 0.0;  // a needed device that goes is waited for so long; 0: the end at once
   std::function<std::int64_t()> realtime_offset_ns;  // io::realtime_offset_ns(), if empty
