@@ -16,7 +16,7 @@
 #include "thermorig/io/port.h"
 #include "thermorig/rig/discovery/detect.h"
 #include "thermorig/rig/recording/finalise.h"
-#include "thermorig/rig/sweep/grbl_driver.h"
+#include "thermorig/rig/sweep/servo_driver.h"
 #include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/simulation/simulated_ports/simulated_ports.h"
 
@@ -184,7 +184,8 @@ TEST(DynamixelWithoutAWatchdog, RestsAtTheEndOfItsLegAfterAKill) {
 /// GRBL has no such state: what was noted is all that telemetry has of it.
 TEST(GrblDriver, NotesADisarmThatOvertakesAnArm) {
   const ServoProfile servo = rig_config(1, "grbl").profile.servo;
-  GrblDriver driver(servo);
+  const auto made = make_servo_driver(servo);
+  ServoDriver& driver = *made;
   HostTime now = HostTime{} + from_s(10.0);
   const auto said = [&] {
     const auto bytes = driver.poll(now += std::chrono::milliseconds(10));
