@@ -67,6 +67,13 @@ Json telemetry(const TimedServo& servo, std::uint64_t ns) {
           {"leg", servo.state.leg}};
 }
 
+Json shaft(const TimedShaft& shaft, std::uint64_t ns) {
+  return {{"timestamp", timestamp(ns)},
+          {"angle_deg", number(shaft.angle_deg)},
+          {"uncertainty_deg", number(shaft.reading.uncertainty_deg)},
+          {"trusts_itself", shaft.reading.status == ShaftStatus::good}};
+}
+
 Json label(const LabelledSample& sample, std::uint64_t ns) {
   Json reasons = Json::array();
   for (std::uint32_t i = 0; i < reason_count; ++i)
@@ -82,6 +89,14 @@ Json label(const LabelledSample& sample, std::uint64_t ns) {
           {"reasons", reasons},
           {"leg", sample.leg},
           {"run", sample.run}};
+}
+
+Json label_with_shaft(const LabelledSample& sample, std::uint64_t ns) {
+  Json all = label(sample, ns);
+  all["rate_measured_dps"] = number(sample.rate_measured_dps);
+  all["rate_measured_uncertainty_dps"] = number(sample.rate_measured_uncertainty_dps);
+  all["angle_measured_deg"] = number(sample.angle_measured_deg);
+  return all;
 }
 
 /// As foxglove.Log says it: 2 is information, 3 a warning.
@@ -128,9 +143,14 @@ std::vector<Stream> streams_of(const session::Session& session) {
   const RecordingHeader& header = session.raw.header;
   const auto stamped = [](const auto& row) { return row.stamp.time; };
   const auto timed = [](const auto& row) { return row.time; };
-  return {Stream(header, session.frames, stamped, image), Stream(header, session.gyro, stamped, rotation),
-          Stream(header, session.servo, stamped, telemetry), Stream(header, session.samples, timed, label),
-          Stream(header, session.raw.events, timed, log_entry)};
+  const bool measures = has_measured_shaft(session.raw);
+  std::vector<Stream> streams{Stream(header, session.frames, stamped, image),
+                              Stream(header, session.gyro, stamped, rotation),
+                              Stream(header, session.servo, stamped, telemetry),
+                              Stream(header, session.samples, timed, measures ? label_with_shaft : label),
+                              Stream(header, session.raw.events, timed, log_entry)};
+  if (measures) streams.emplace_back(header, session.shaft, stamped, shaft);
+  return streams;
 }
 
 std::map<std::string, std::string> texts_of(const nlohmann::json& facts) {
@@ -143,8 +163,8 @@ std::map<std::string, std::string> texts_of(const nlohmann::json& facts) {
 }  // namespace
 
 void write_mcap(const session::Session& session, Sink& sink, McapCompression compression) {
-  McapWriter writer(sink, compression, session.raw.header.creator, mcap_channels(),
-                    texts_of(facts_of(session)));
+  McapWriter writer(sink, compression, session.raw.header.creator,
+                    mcap_channels(has_measured_shaft(session.raw)), texts_of(facts_of(session)));
   std::vector<Stream> streams = streams_of(session);
   while (true) {
     const auto first =

@@ -84,20 +84,35 @@ McapChannel servo_channel() {
                                {"leg", of_type("integer", "that is driven; 0: none")}}));
 }
 
-McapChannel label_channel() {
+McapChannel shaft_channel() {
   return channel_of(
-      "/label", "thermorig.Label",
+      "/shaft", "thermorig.Shaft",
+      object_of({{"timestamp", time_with("nsec")},
+                 {"angle_deg", measured("deg, turns counted; null: the sensor has no angle")},
+                 {"uncertainty_deg", measured("deg, of one reading, one standard deviation")},
+                 {"trusts_itself", of_type("boolean", "what it measures by is strong enough")}}));
+}
+
+McapChannel label_channel(bool has_measured_shaft) {
+  Json label =
       object_of({{"timestamp", time_with("nsec")},
                  {"frame", of_type("integer", "index into the messages of /camera")},
                  {"rate_commanded_dps", measured("deg/s over the frame's exposure: the label of trainings")},
-                 {"rate_shaft_dps", measured("deg/s of the shaft by the servo's model")},
+                 {"rate_shaft_dps",
+                  measured("deg/s of the shaft: measured where that is believed, else by the servo's model")},
                  {"rate_shaft_uncertainty_dps", measured("deg/s, one standard deviation")},
                  {"rate_gyro_dps", measured("deg/s, mean over the exposure, bias in it")},
                  {"angle_commanded_deg", measured("deg")},
                  {"valid", of_type("boolean")},
                  {"reasons", list_of("string")},
                  {"leg", of_type("integer")},
-                 {"run", of_type("integer", "unbroken run of valid frames; 0: none")}}));
+                 {"run", of_type("integer", "unbroken run of valid frames; 0: none")}});
+  if (has_measured_shaft) {
+    label["properties"]["rate_measured_dps"] = measured("deg/s of the shaft by the sensor on it");
+    label["properties"]["rate_measured_uncertainty_dps"] = measured("deg/s, one standard deviation");
+    label["properties"]["angle_measured_deg"] = measured("deg, at the label's time");
+  }
+  return channel_of("/label", "thermorig.Label", std::move(label));
 }
 
 McapChannel event_channel() {
@@ -112,8 +127,11 @@ McapChannel event_channel() {
 
 }  // namespace
 
-std::vector<McapChannel> mcap_channels() {
-  return {camera_channel(), gyro_channel(), servo_channel(), label_channel(), event_channel()};
+std::vector<McapChannel> mcap_channels(bool has_measured_shaft) {
+  std::vector<McapChannel> channels{camera_channel(), gyro_channel(), servo_channel(),
+                                    label_channel(has_measured_shaft), event_channel()};
+  if (has_measured_shaft) channels.push_back(shaft_channel());
+  return channels;
 }
 
 }  // namespace thermorig::interchange

@@ -10,7 +10,7 @@ namespace thermorig::interchange {
 enum class McapCompression { none, zstd };
 
 /// The session as MCAP (https://mcap.dev/spec), messages in JSON, in order of time: /camera, /gyro, /servo,
-/// /label, /events. Chunked and indexed. Throws as the sink does.
+/// /label, /events, and /shaft where something measured it. Chunked and indexed. Throws as the sink does.
 void write_mcap(const session::Session& session, Sink& sink,
                 McapCompression compression = McapCompression::none);
 

@@ -18,8 +18,8 @@ struct WindowShape {
 void write_rows_npz(const session::Session& session, Sink& sink);
 
 /// The windows that a training sees: `images` (W, Nf, H, W') in degrees Celsius, `label_dps`,
-/// `corrected_dps`, `shaft_dps`, `gyro_dps`, `last`, `middle_s`. `acquisition` is made of `session`. Returns
-/// how many. Throws as the sink does.
+/// `corrected_dps`, `shaft_dps`, `gyro_dps`, `last`, `middle_s`; `measured_dps` where something measured the
+/// shaft. `acquisition` is made of `session`. Returns how many. Throws as the sink does.
 std::size_t write_windows_npz(const session::Session& session, const network::Acquisition& acquisition,
                               WindowShape shape, Sink& sink);
 
