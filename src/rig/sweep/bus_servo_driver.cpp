@@ -268,6 +268,7 @@ void BusServoDriver::take(const wire::ServoWelcome& welcome, HostTime arrived) {
   }
   welcome_ = welcome;
   welcome_->watchdog_ms = watchdog_ms();
+  welcomed();
   answered({}, arrived);
 }
 

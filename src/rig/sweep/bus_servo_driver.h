@@ -73,6 +73,8 @@ class BusServoDriver : public ServoDriver {
   virtual Data greeting(bool to_all) const = 0;
   /// Of BusRegisters::profile.
   virtual Data profile_block(double goal_deg, double rate_dps, double acceleration_dps2) const = 0;
+  /// It has answered the greeting. Throws Error if it cannot be driven.
+  virtual void welcomed() {}
   /// Pushes what it is asked and set to between the greeting and the first command.
   virtual void set_up() = 0;
   /// Pushes the step that has a watchdog watch, if it has one.
