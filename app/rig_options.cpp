@@ -86,8 +86,8 @@ CLI::Validator not_negative() {
 void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
   command
       .add_option("--simulated-servo", parts.servo,
-                  "Servo: winch (6 turns, default), 180, 270 (degrees), continuous, dynamixel, grbl")
-      ->check(one_of({"winch", "180", "270", "continuous", "dynamixel", "grbl"}))
+                  "Servo: winch (6 turns, default), 180, 270 (degrees), continuous, dynamixel, grbl, sts3215")
+      ->check(one_of({"winch", "180", "270", "continuous", "dynamixel", "grbl", "sts3215"}))
       ->type_name("KIND");
   command
       .add_option(
@@ -207,8 +207,8 @@ void add_rig(CLI::App& command, RigOptions& rig) {
         ->type_name("NAME");
     command
         .add_option("--servo-protocol", rig.servo_protocol,
-                    "What the servo speaks: servo-link (a board with this program's firmware), dynamixel or "
-                    "grbl, at its usual baud rate (default: the profile's)")
+                    "What the servo speaks: servo-link (a board with this program's firmware), dynamixel, "
+                    "grbl or sts3215, at its usual baud rate (default: the profile's)")
         ->check(known_name(sensors::servo_protocol_names()))
         ->type_name("NAME");
     command.add_option("--camera-baud", rig.camera_baud, "Baud rate of the camera (default: the profile's)")

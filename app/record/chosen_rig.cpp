@@ -111,6 +111,11 @@ ServoProfile simulated_servo(const std::string& kind, ServoProfile servo) {
     servo.link.baud = 1'000'000;
     return servo;
   }
+  if (kind == "sts3215") {
+    sensors::choose_servo("sts3215", servo);
+    servo.model = "Feetech STS3215, 6 turns of cable";
+    return servo;
+  }
   if (kind == "grbl") {
     sensors::choose_servo("grbl", servo);
     servo.model = "stepper, GRBL 1.1, 6 turns of cable";

@@ -42,7 +42,7 @@ void add_session_forms(CLI::App& command, ExportOptions& options) {
       ->type_name("TABLE");
   command
       .add_flag("--tum{all}", options.tum,
-                "Trajectories for evo: all (shaft and estimators, default), or the one with this name")
+                "Trajectories for evo: all (shaft, also as measured, and estimators; default), or NAME")
       ->check(CLI::Validator(problem_of_trajectory, ""))
       ->type_name("NAME");
   command

@@ -179,6 +179,32 @@ ClockFit fit_servo_clock(const RawStream& received, const RawStream& sent, const
   return {std::move(fit.times), std::move(fit.report)};
 }
 
+std::optional<Estimate> rate_scale_by_steps(std::span<const TimedServo> servo) {
+  constexpr double jitter_s = 0.005;  // of an arrival, by USB and the board's line
+  constexpr double shortest_s = 1.0, most_gap_s = 0.25, good_enough = 0.001;
+  double weights = 0.0, weighted = 0.0;
+  for (std::size_t first = 0; first < servo.size();) {
+    const ServoState& begin = servo[first].state;
+    std::size_t last = first;
+    const auto goes_on = [&](const TimedServo& next) {
+      return next.state.motion == ServoMotion::steady && next.state.rate_dps == begin.rate_dps &&
+             !next.lost_before && to_s(next.stamp.time - servo[last].stamp.time) < most_gap_s;
+    };
+    if (begin.motion == ServoMotion::steady && begin.rate_dps != 0.0)
+      while (last + 1 < servo.size() && goes_on(servo[last + 1])) ++last;
+    const double turned_deg = servo[last].state.angle_deg - begin.angle_deg;
+    const double time_s = to_s(servo[last].stamp.time - servo[first].stamp.time);
+    if (time_s >= shortest_s) {
+      const double weight = time_s * time_s / (2.0 * jitter_s * jitter_s);
+      weights += weight;
+      weighted += weight * turned_deg / (begin.rate_dps * time_s);
+    }
+    first = last + 1;
+  }
+  if (!(weights * good_enough * good_enough >= 1.0)) return std::nullopt;
+  return Estimate{weighted / weights, 1.0 / std::sqrt(weights)};
+}
+
 ClockFit joined(std::vector<ClockPiece> pieces, const std::string& device, double nominal_rate_hz) {
   if (pieces.empty()) return {};
   ClockFit whole;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,6 +33,11 @@ ClockFit fit_gyro_clock(const RawStream& received, std::span<const TimedGyro> gy
 /// From both sides where pings were answered, else one-way by the telemetry's own time.
 ClockFit fit_servo_clock(const RawStream& received, const RawStream& sent, const Streams& streams,
                          const ServoProfile& profile);
+
+/// Of a servo that counts its steps and has no time: how much faster than it states it turns, by the angles
+/// that it reports over its steady legs. Their times are those of arrivals, so that seconds are needed. None:
+/// too little is steady for a share of a thousandth.
+std::optional<Estimate> rate_scale_by_steps(std::span<const TimedServo> servo);
 
 /// One piece of a device's stream between two of its absences, and the clock fitted to it.
 struct ClockPiece {

@@ -202,6 +202,17 @@ std::string mend_bad_pixels(std::vector<TimedFrame>& frames) {
   return text_of(watch.bad());
 }
 
+/// A servo that turns otherwise than it is told may have a setting of its own that says so.
+void name_setting(const sensors::ServoProtocol& protocol, const Streams& streams, Witnesses& witnesses) {
+  const bool is_undecided = witnesses.outlier == Witness::undecided;
+  const bool may_be_it = witnesses.outlier == Witness::command || is_undecided;
+  if (!may_be_it || !witnesses.gyro_share || protocol.scale_cause == nullptr) return;
+  const auto found = protocol.scale_cause(witnesses.gyro_share->value, streams.servo_answers);
+  if (!found) return;
+  witnesses.cause += "; or " + found->why;
+  witnesses.remedy = is_undecided ? witnesses.remedy + ", or " + found->remedy : found->remedy;
+}
+
 }  // namespace
 
 Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
@@ -215,6 +226,11 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   fits.frame_period_s = rhythm.period_s;
   fits.gaps = std::move(rhythm.gaps);
   expose(streams.frames, profile.camera, fits);
+  const sensors::ServoProtocol& servo_protocol = sensors::servo_protocol(profile.servo.protocol);
+  if (const auto scale = servo_protocol.counts_steps ? rate_scale_by_steps(streams.servo) : std::nullopt) {
+    fits.servo_rate_scale = scale->value;
+    for (TimedServo& servo : streams.servo) servo.state.rate_dps *= scale->value;
+  }
 
   SyncReport sync;
   sync.bad_pixels = mend_bad_pixels(streams.frames);
@@ -228,6 +244,7 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   fit_newer_half(streams, profile, sync.gyro, fits);
   sync.witnesses = labels::compare_witnesses(streams.servo, streams.gyro, sync.gyro, profile,
                                              images_share(streams.frames, streams.servo, profile.camera));
+  name_setting(servo_protocol, streams, sync.witnesses);
   const auto fit_servo = [&] {
     return labels::fit_servo_response(streams.servo, streams.gyro, sync.gyro, profile.servo,
                                       1.0 / profile.camera.output_rate_hz, sync.witnesses);
@@ -240,7 +257,7 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
                       clocks[Device::camera]);
   if (turns.gyro_scale) sync.servo = fit_servo();  // another scale of the gyro is another one of the servo
   sync.shaft = labels::judge_shaft(streams.shaft, streams.gyro, streams.servo, sync.gyro, profile,
-                                   sensors::servo_protocol(profile.servo.protocol).shaft_error_deg);
+                                   servo_protocol.shaft_error_deg);
 
   for (const Device device : all_devices) {
     fits.times[device] = std::move(clocks[device].times);

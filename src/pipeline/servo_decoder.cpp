@@ -46,6 +46,7 @@ ServoDecoder::ServoDecoder(const ServoProfile& profile, const EncoderProfile& en
       pings_(profile.link.baud),
       clock_(profile.link),
       is_causal_(fits.times[Device::servo].empty()),
+      rate_scale_(fits.servo_rate_scale),
       encoder_latency_(from_s(encoder.latency_s)),
       turns_(encoder) {}
 
@@ -109,6 +110,7 @@ TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoSta
                    .mcu_time_us = mcu_time_.unwrap(sends_time_ ? state.mcu_us : arrival_us, stamp.time),
                    .lost_before = std::exchange(was_away_, false) || message.lost_before};
   if (!sends_time_) servo.state.mcu_us = arrival_us;
+  servo.state.rate_dps *= rate_scale_;
   if (is_causal_)
     stamp_by_clock(servo, begun_by(message.span));
   else
@@ -120,7 +122,7 @@ TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoSta
 
 /// By the telemetry before it, with which it shares a clock.
 TimedShaft ServoDecoder::timed(const wire::ServoMessage& message, const ShaftReading& reading) {
-  const std::int64_t since_us = since_telemetry_us(*telemetry_, reading.mcu_us, mcu_clock_);
+  const std::int64_t since_us = sends_time_ ? since_telemetry_us(*telemetry_, reading.mcu_us, mcu_clock_) : 0;
   TimedShaft shaft{.reading = reading,
                    .span = message.span,
                    .stamp = telemetry_->stamp,

@@ -74,6 +74,7 @@ class ServoDecoder {
   bool is_causal_;                       // without final times: the clock is learnt on the way
   std::size_t epochs_passed_on_ = 1;     // the first is no event
   std::optional<TimedServo> telemetry_;  // the newest
+  double rate_scale_ = 1.0;              // of the speeds that it states
   double host_s_per_us_ = 1e-6;          // of the servo's clock, by the newest two
   HostDuration encoder_latency_;
   ShaftTurns turns_;

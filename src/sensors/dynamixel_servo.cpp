@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "framed_scanner.h"
+#include "bus_servo.h"
 #include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/sensors/wire/dynamixel.h"
 
@@ -69,25 +69,10 @@ ShaftReading shaft_reading(Bytes telemetry, const ServoState& state) {
           .uncertainty_deg = static_cast<float>(std::hypot(count_deg, tick_deg))};
 }
 
-struct ServoContent {
-  using Message = wire::ServoMessage;
-  FrameKind kind = FrameKind::reply;
-  std::optional<wire::ServoBody> body = {};
-  std::optional<ShaftReading> shaft = {};
-
-  void append_to(std::vector<Message>& out, const StreamSpan& span, bool gap) && {
-    if (!body) return;
-    // Two messages have no byte in common.
-    const StreamSpan of_state{span.begin, shaft ? span.begin + before_position : span.end};
-    out.push_back({.body = *std::move(body), .span = of_state, .lost_before = gap});
-    if (shaft) out.push_back({.body = *shaft, .span = {of_state.end, span.end}, .lost_before = gap});
-  }
-};
-
 /// Half-duplex adapters may send back what the host sent: an instruction, sound and of no use.
 class DynamixelFraming {
  public:
-  using Content = ServoContent;
+  using Content = BusServoContent;
   static constexpr std::uint8_t sync = 0xFF;
   static constexpr std::size_t longest = dynamixel::longest_packet;
 
@@ -97,42 +82,36 @@ class DynamixelFraming {
   static bool is_good(Bytes frame) { return dynamixel::parse(frame).has_value(); }
   static bool is_proof(Bytes) { return true; }
 
-  /// The leg of telemetry was noted before it was asked for.
-  void sent(Bytes bytes) {
-    while (const auto size = dynamixel::packet_size(bytes)) {
-      if (*size == 0 || *size > bytes.size()) return;
-      if (const auto packet = dynamixel::parse(bytes.first(*size))) take_sent(*packet);
-      bytes = bytes.subspan(*size);
-    }
+  void sent(Bytes instruction) {
+    const dynamixel::Packet packet = *dynamixel::parse(instruction);
+    if (packet.instruction == dynamixel::Instruction::ping && packet.id == dynamixel::nobodys_id &&
+        packet.parameters.size() == 2)
+      legs_.noted(packet.parameters);
+    if (packet.instruction == dynamixel::Instruction::read) legs_.asked();
   }
 
   Content read(Bytes frame) {
     dynamixel::Packet packet = *dynamixel::parse(frame);
     if (packet.instruction != dynamixel::Instruction::status) return {};
     const std::size_t size = packet.parameters.size();
-    statuses_ += 1;
-    last_id_ = packet.id;
+    heard_.answers += 1;
+    heard_.last_id = packet.id;
     if (size == ping_answer_bytes) return {.body = welcome(packet)};
     if (packet.id != id_) return {};
     if (size == dynamixel::telemetry_bytes) {
-      const ServoState state = servo_state(packet.parameters, read_leg_);
-      return {.kind = FrameKind::sample, .body = state, .shaft = shaft_reading(packet.parameters, state)};
+      const ServoState state = servo_state(packet.parameters, legs_.of_telemetry());
+      return {.kind = FrameKind::sample,
+              .body = state,
+              .shaft = shaft_reading(packet.parameters, state),
+              .before_shaft = before_position};
     }
     return {.body = wire::ServoReply{packet.id, packet.error, std::move(packet.parameters)}};
   }
-  void restart() { noted_leg_ = read_leg_ = 0; }
+  void restart() { legs_.restart(); }
 
-  std::uint64_t statuses() const { return statuses_; }
-  std::uint8_t last_id() const { return last_id_; }
+  const HeardServos& heard() const { return heard_; }
 
  private:
-  void take_sent(const dynamixel::Packet& packet) {
-    if (packet.instruction == dynamixel::Instruction::ping && packet.id == dynamixel::nobodys_id &&
-        packet.parameters.size() == 2)
-      noted_leg_ = static_cast<std::uint16_t>(packet.parameters[0] | packet.parameters[1] << 8);
-    if (packet.instruction == dynamixel::Instruction::read) read_leg_ = noted_leg_;
-  }
-
   static wire::ServoWelcome welcome(const dynamixel::Packet& packet) {
     return {.firmware = fmt::format("{} of Dynamixel model {}", packet.parameters[2],
                                     packet.parameters[0] | packet.parameters[1] << 8),
@@ -140,16 +119,8 @@ class DynamixelFraming {
   }
 
   std::uint8_t id_;
-  std::uint16_t noted_leg_ = 0;
-  std::uint16_t read_leg_ = 0;  // when telemetry was asked for last
-  std::uint64_t statuses_ = 0;
-  std::uint8_t last_id_ = 0;
-};
-
-class DynamixelScanner : public FramedScanner<DynamixelFraming> {
- public:
-  explicit DynamixelScanner(int id) : FramedScanner(DynamixelFraming(static_cast<std::uint8_t>(id))) {}
-  void sent(Bytes bytes) { framing().sent(bytes); }
+  NotedLegs legs_;
+  HeardServos heard_;
 };
 
 constexpr std::array<UsualBaud, 3> dynamixel_bauds{{{57600, 0.15}, {1000000, 0.1}, {2000000, 0.1}}};
@@ -159,27 +130,11 @@ constexpr std::uint64_t status_around = dynamixel::around_parameters + 1;
 constexpr double polls_hz = 42.0;  // 50 where answers come at once, fewer behind a latency timer
 
 ServoScanner dynamixel_scanner(const ServoProfile& profile) {
-  return ServoScanner(DynamixelScanner(profile.bus_id));
+  return ServoScanner(BusServoScanner<DynamixelFraming>(profile.bus_id));
 }
 
-/// What comes back from an adapter that echoes proves nothing.
 std::optional<Evidence> recognise_dynamixel(Bytes bytes) {
-  DynamixelScanner scanner(0);
-  std::vector<wire::ServoMessage> messages;
-  scanner.push(bytes, messages);
-  scanner.finish(messages);
-  const DynamixelFraming& framing = scanner.framing();
-  if (framing.statuses() == 0) return std::nullopt;
-  Evidence evidence{.messages = framing.statuses(),
-                    .bytes = scanner.counters().bytes_in_messages,
-                    .text = fmt::format("{} status packets (Dynamixel, protocol 2.0), ID {}",
-                                        framing.statuses(), framing.last_id()),
-                    .text_format = {}};
-  evidence.settings["bus_id"] = framing.last_id();
-  for (const wire::ServoMessage& message : messages)
-    if (const auto* welcome = std::get_if<wire::ServoWelcome>(&message.body))
-      evidence.text = fmt::format("servo found (firmware {}, ID {})", welcome->firmware, welcome->board);
-  return evidence;
+  return recognise_bus_servo<DynamixelFraming>(bytes, "status packets (Dynamixel, protocol 2.0)");
 }
 
 std::vector<std::uint8_t> ping_all() {

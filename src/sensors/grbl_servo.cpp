@@ -84,13 +84,19 @@ class GrblScanner {
  public:
   void sent(Bytes bytes) {
     for (const std::uint8_t byte : bytes) {
-      if (byte == grbl::jog_cancel) jog_.leg = 0;
+      if (byte == grbl::jog_cancel) {
+        jog_.leg = 0;
+        is_cancelled_ = true;
+      }
       if (grbl::is_real_time(byte)) continue;
       if (byte != '\n') {
         if (sent_line_.size() < grbl::longest_line) sent_line_.push_back(static_cast<char>(byte));
         continue;
       }
-      if (const auto jog = grbl::parse_jog(sent_line_)) jog_ = *jog;
+      if (const auto jog = grbl::parse_jog(sent_line_)) {
+        jog_ = *jog;
+        is_cancelled_ = false;
+      }
       is_armed_ = grbl::parse_power_note(sent_line_).value_or(is_armed_);
       sent_line_.clear();
     }
@@ -106,7 +112,7 @@ class GrblScanner {
     pending_.clear();
     sent_line_.clear();
     jog_ = {};
-    is_armed_ = false;
+    is_armed_ = is_cancelled_ = false;
     last_deg_.reset();
     synchronised_ = false;
   }
@@ -172,7 +178,7 @@ class GrblScanner {
       state.motion = ServoMotion::disarmed;
     else if (!moves)
       state.motion = ServoMotion::holding;
-    else if (report.state == "Hold")
+    else if (report.state == "Hold" || is_cancelled_)
       state.motion = ServoMotion::stopping;
     else
       state.motion = std::abs(report.feed_dps - jog_.rate_dps) <= grbl::feed_unit_dps ? ServoMotion::steady
@@ -185,6 +191,7 @@ class GrblScanner {
   std::string sent_line_;
   grbl::Jog jog_;  // the last that was sent
   bool is_armed_ = false;
+  bool is_cancelled_ = false;  // it ramps down, whatever its speed still is
   std::optional<double> last_deg_;
   bool synchronised_ = false;
   std::uint64_t welcomes_ = 0;
@@ -196,6 +203,22 @@ constexpr double reports_hz = 10.0;  // its authors ask for no more
 
 ServoScanner grbl_scanner(const ServoProfile&) {
   return ServoScanner(GrblScanner());
+}
+
+/// By the last "$100=35.556" that it has listed.
+std::optional<ScaleCause> grbl_scale_cause(double share, std::span<const wire::ServoMessage> answers) {
+  constexpr std::string_view setting = "$100=";
+  std::optional<double> steps;
+  for (const wire::ServoMessage& answer : answers)
+    if (const auto* reply = std::get_if<wire::ServoReply>(&answer.body)) {
+      const std::string_view line(reinterpret_cast<const char*>(reply->data.data()), reply->data.size());
+      if (line.starts_with(setting)) steps = number_of(line.substr(setting.size()));
+    }
+  if (!steps || !(*steps > 0.0) || !(share > 0.0)) return std::nullopt;
+  return ScaleCause{
+      fmt::format("$100 = {:.3f} is not how many steps of its motor turn the shaft by a degree", *steps),
+      fmt::format("set $100={:.3f} on the board, or what motor and gear have: steps a turn x gear / 360",
+                  *steps / share)};
 }
 
 std::optional<Evidence> recognise_grbl(Bytes bytes) {
@@ -229,7 +252,9 @@ ServoProtocol grbl_servo() {
           .scanner = grbl_scanner,
           .recognise = recognise_grbl,
           .greeting = [] { return std::vector{grbl::status_request}; },
-          .emergency_bytes = [] { return std::vector{grbl::jog_cancel}; }};
+          .emergency_bytes = [] { return std::vector{grbl::jog_cancel}; },
+          .counts_steps = true,
+          .scale_cause = grbl_scale_cause};
 }
 
 }  // namespace thermorig::sensors

@@ -10,9 +10,10 @@ namespace thermorig::sensors {
 ServoProtocol servo_link_servo();
 ServoProtocol dynamixel_servo();
 ServoProtocol grbl_servo();
+ServoProtocol sts3215_servo();
 
 std::span<const ServoProtocol> servo_protocols() {
-  static const std::array table{servo_link_servo(), dynamixel_servo(), grbl_servo()};
+  static const std::array table{servo_link_servo(), dynamixel_servo(), grbl_servo(), sts3215_servo()};
   return table;
 }
 

@@ -47,10 +47,13 @@ VirtualRigConfig default_rig(std::uint64_t seed, const std::string& environment)
 
 std::unique_ptr<Firmware> make_servo(const VirtualRigConfig& config) {
   const ServoProfile& servo = config.profile.servo;
+  const auto id = static_cast<std::uint8_t>(servo.bus_id);
   if (servo.protocol == "dynamixel")
-    return make_dynamixel(static_cast<std::uint8_t>(servo.bus_id), servo.link.baud, config.seed,
-                          config.dynamixel);
-  if (servo.protocol == "grbl") return make_grbl(servo.link.baud, config.seed, config.grbl);
+    return make_dynamixel(id, servo.link.baud, config.seed, config.dynamixel, config.world.servo);
+  if (servo.protocol == "sts3215")
+    return make_sts3215(id, servo.link.baud, config.seed, config.sts3215, config.world.servo);
+  if (servo.protocol == "grbl")
+    return make_grbl(servo.link.baud, config.seed, config.grbl, config.world.servo);
   return make_host_firmware();
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "position_servo.h"
 #include "random.h"
 #include "stepped_firmware.h"
 
@@ -20,7 +21,7 @@ constexpr std::size_t table_bytes = 147;
 constexpr std::size_t most_pending = 1000;
 constexpr double degree_a_count = 360.0 / 4096.0;
 constexpr double dps_a_unit = 1.374, dps2_a_unit = 21.4577;
-constexpr double loop_hz = 12.0;  // of its position loop; it feeds the profile's speed forward
+constexpr double top_dps = 618.0;  // of an XL330-M288 at 5 V
 constexpr std::uint16_t dynamixel_model = 1060, dynamixel_firmware = 45;
 
 enum Address : std::uint16_t {
@@ -70,13 +71,13 @@ std::uint16_t check_sum(const std::vector<std::uint8_t>& bytes, std::size_t coun
 
 class Dynamixel final : public SteppedFirmware {
  public:
-  Dynamixel(std::uint8_t id, std::uint32_t baud, std::uint64_t seed, const DynamixelHabits& habits)
-      : SteppedFirmware(baud), habits_(habits) {
+  Dynamixel(std::uint8_t id, std::uint32_t baud, std::uint64_t seed, const DynamixelHabits& habits,
+            const ServoWorld& world)
+      : SteppedFirmware(baud), habits_(habits), servo_(world, seed, 0.0, top_dps) {
     Random random(seed, "dynamixel");
-    shaft_deg_ = random.uniform(-60.0, 60.0);
+    servo_ = PositionServo(world, seed, random.uniform(-60.0, 60.0), top_dps);
     error_phase_rad_ = random.uniform(0.0, 2.0 * std::numbers::pi);
     first_tick_ms_ = static_cast<std::int64_t>(random.uniform(0.0, 32768.0));
-    profile_deg_ = shaft_deg_;
     table_[0] = dynamixel_model & 0xFFU;
     table_[1] = dynamixel_model >> 8U;
     table_[6] = dynamixel_firmware;
@@ -84,7 +85,7 @@ class Dynamixel final : public SteppedFirmware {
     table_[return_delay_address] = habits.return_delay;
     table_[mode_address] = habits.operating_mode;
     put(velocity_limit_address, 4, 445);
-    begin_at(shaft_deg_);
+    begin_at(angle_deg());
     refresh();
   }
 
@@ -163,7 +164,7 @@ class Dynamixel final : public SteppedFirmware {
       table_ = before;
       return PacketError::limit;
     }
-    if (table_[torque_address] != 0 && before[torque_address] == 0) profile_deg_ = shaft_deg_;
+    if (table_[torque_address] != 0 && before[torque_address] == 0) servo_.begin_here();
     return 0;
   }
 
@@ -207,14 +208,14 @@ class Dynamixel final : public SteppedFirmware {
 
   /// The magnet's sensor is off by a wave a turn, and counts 4096 of them.
   void refresh() {
-    const double turn_rad = shaft_deg_ * std::numbers::pi / 180.0;
-    const double seen_deg = shaft_deg_ + habits_.encoder_error_deg * std::sin(turn_rad + error_phase_rad_);
+    const double turn_rad = angle_deg() * std::numbers::pi / 180.0;
+    const double seen_deg = angle_deg() + habits_.encoder_error_deg * std::sin(turn_rad + error_phase_rad_);
     put(position_address, 4, in_counts(seen_deg));
-    put(present_velocity_address, 4, std::llround(shaft_dps_ / dps_a_unit));
+    put(present_velocity_address, 4, std::llround(rate_dps() / dps_a_unit));
     const bool is_on = table_[torque_address] != 0;
-    put(velocity_trajectory_address, 4, is_on ? std::llround(profile_dps_ / dps_a_unit) : 0);
-    put(position_trajectory_address, 4, in_counts(is_on ? profile_deg_ : seen_deg));
-    table_[moving_address] = profile_dps_ != 0.0 ? 1 : 0;
+    put(velocity_trajectory_address, 4, is_on ? std::llround(servo_.profile_dps() / dps_a_unit) : 0);
+    put(position_trajectory_address, 4, in_counts(is_on ? servo_.profile_deg() : seen_deg));
+    table_[moving_address] = servo_.profile_dps() != 0.0 ? 1 : 0;
   }
 
   // ---- motion ----
@@ -223,46 +224,20 @@ class Dynamixel final : public SteppedFirmware {
     return table_[torque_address] != 0 && table_[mode_address] == 4 && table_[watchdog_address] != 0xFF;
   }
 
-  double angle_deg() const override { return shaft_deg_; }
-  double rate_dps() const override { return shaft_dps_; }
+  double angle_deg() const override { return servo_.shaft_deg(); }
+  double rate_dps() const override { return servo_.shaft_dps(); }
 
   void step(std::int64_t now_us) override {
     const double dt_s = 1e-6 * step_us;
     watch_bus(now_us);
-    const double acceleration_dps2 =
-        std::max<double>(1.0, static_cast<double>(get(acceleration_address))) * dps2_a_unit;
-    if (table_[torque_address] == 0) {
-      profile_dps_ = 0.0;
-      profile_deg_ = shaft_deg_;
-      shaft_dps_ -= shaft_dps_ * std::min(1.0, dt_s / 0.01);  // the gear stops it
-      shaft_deg_ += shaft_dps_ * dt_s;
-    } else {
-      follow_profile(acceleration_dps2, dt_s);
-      const double rad = 2.0 * std::numbers::pi * loop_hz;
-      const double wanted_dps2 =
-          rad * rad * (profile_deg_ - shaft_deg_) + 2.0 * rad * (profile_dps_ - shaft_dps_);
-      shaft_dps_ += wanted_dps2 * dt_s;
-      shaft_deg_ += shaft_dps_ * dt_s;
-    }
-  }
-
-  /// A speed that can still be brought to rest at the goal; a trapezium.
-  void follow_profile(double acceleration_dps2, double dt_s) {
-    const double change_dps = acceleration_dps2 * dt_s;
-    double wanted_dps = 0.0;
-    const double way_deg = (static_cast<double>(get(goal_address)) - 2048.0) * degree_a_count - profile_deg_;
-    if (is_driven()) {
-      const double most_dps = static_cast<double>(get(velocity_address)) * dps_a_unit;
-      const double fits_dps = std::sqrt(2.0 * acceleration_dps2 * std::abs(way_deg));
-      wanted_dps = std::copysign(std::min(most_dps, fits_dps), way_deg);
-      if (std::abs(way_deg) <= change_dps * dt_s && std::abs(profile_dps_) <= 2.0 * change_dps) {
-        profile_deg_ += way_deg;
-        profile_dps_ = 0.0;
-        return;
-      }
-    }
-    profile_dps_ += std::clamp(wanted_dps - profile_dps_, -change_dps, change_dps);
-    profile_deg_ += profile_dps_ * dt_s;
+    if (table_[torque_address] == 0) return servo_.coast(dt_s);
+    PositionServo::Profile profile{
+        .goal_deg = {},
+        .most_dps = static_cast<double>(get(velocity_address)) * dps_a_unit,
+        .acceleration_dps2 =
+            std::max<double>(1.0, static_cast<double>(get(acceleration_address))) * dps2_a_unit};
+    if (is_driven()) profile.goal_deg = (static_cast<double>(get(goal_address)) - 2048.0) * degree_a_count;
+    servo_.turn(profile, dt_s);
   }
 
   void watch_bus(std::int64_t now_us) {
@@ -277,15 +252,14 @@ class Dynamixel final : public SteppedFirmware {
   std::int64_t last_heard_us_ = 0;
   std::int64_t first_tick_ms_ = 0;
   double error_phase_rad_ = 0.0;
-  double profile_deg_ = 0.0, profile_dps_ = 0.0;
-  double shaft_deg_ = 0.0, shaft_dps_ = 0.0;
+  PositionServo servo_;
 };
 
 }  // namespace
 
 std::unique_ptr<Firmware> make_dynamixel(std::uint8_t id, std::uint32_t baud, std::uint64_t seed,
-                                         const DynamixelHabits& habits) {
-  return std::make_unique<Dynamixel>(id, baud, seed, habits);
+                                         const DynamixelHabits& habits, const ServoWorld& world) {
+  return std::make_unique<Dynamixel>(id, baud, seed, habits, world);
 }
 
 }  // namespace thermorig::simulation

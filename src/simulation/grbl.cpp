@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "position_servo.h"
 #include "random.h"
 #include "stepped_firmware.h"
 
@@ -21,13 +22,16 @@ namespace {
 constexpr std::int64_t boot_us = 1'600'000;  // a boot loader listens first
 constexpr std::size_t longest_line = 80;
 constexpr std::size_t planned_max = 15;
-constexpr double steps_a_degree = 3200.0 * 4.0 / 360.0;
+constexpr double steps_a_degree = 3200.0 * 4.0 / 360.0;  // of motor and gear
 constexpr unsigned offsets_every = 30, overrides_every = 20;
 
 class Grbl final : public SteppedFirmware {
  public:
-  Grbl(std::uint32_t baud, std::uint64_t seed, const GrblHabits& habits)
-      : SteppedFirmware(baud), habits_(habits), stands_at_deg_(Random(seed, "grbl").uniform(-40.0, 40.0)) {
+  Grbl(std::uint32_t baud, std::uint64_t seed, const GrblHabits& habits, const ServoWorld& world)
+      : SteppedFirmware(baud),
+        habits_(habits),
+        stands_at_deg_(Random(seed, "grbl").uniform(-40.0, 40.0)),
+        train_(world, seed, motor_deg()) {
     begin_at(angle_deg());
   }
 
@@ -78,7 +82,7 @@ class Grbl final : public SteppedFirmware {
   void start() {
     has_booted_ = true;
     is_locked_ = habits_.is_locked;
-    stands_at_deg_ = angle_deg();
+    stands_at_deg_ = motor_deg();
     position_deg_ = 0.0;
     begin_anew();
   }
@@ -108,7 +112,7 @@ class Grbl final : public SteppedFirmware {
     const std::string line = without_notes(given);
     if (line == "$$") {
       say("$10=1");
-      say(fmt::format("$100={:.3f}", steps_a_degree));
+      say(fmt::format("$100={:.3f}", set_steps()));
       say(fmt::format("$110={:.3f}", 60.0 * habits_.max_rate_dps));
       say(fmt::format("$120={:.3f}", habits_.acceleration_dps2));
     }
@@ -130,7 +134,7 @@ class Grbl final : public SteppedFirmware {
 
   void report() {
     const char* const state = is_locked_ ? "Alarm" : jogs_.empty() ? "Idle" : "Jog";
-    const double reported_deg = std::round(position_deg_ * steps_a_degree) / steps_a_degree;
+    const double reported_deg = std::round(position_deg_ * set_steps()) / set_steps();
     std::string text = fmt::format("<{}|MPos:{:.3f},0.000,0.000|FS:{:.0f},0", state, reported_deg,
                                    std::abs(60.0 * rate_dps_));
     ++reports_;
@@ -144,14 +148,17 @@ class Grbl final : public SteppedFirmware {
   // ---- motion ----
 
   double rate_dps() const override { return rate_dps_; }
-  double angle_deg() const override {
-    return stands_at_deg_ + std::round(position_deg_ * 16.0 * steps_a_degree) / (16.0 * steps_a_degree);
+  double angle_deg() const override { return train_.shaft_deg(); }
+  double set_steps() const { return steps_a_degree * (1.0 + habits_.steps_error); }
+  double motor_deg() const {
+    return stands_at_deg_ + std::round(position_deg_ * 16.0 * set_steps()) / (16.0 * steps_a_degree);
   }
 
   void step(std::int64_t now_us) override {
     now_us_ = now_us;
     if (!has_booted_ && now_us >= reset_us_ + boot_us) start();
     move(1e-6 * step_us * (1.0 + habits_.clock_error));
+    train_.follow(motor_deg());
   }
 
   /// Jogs of one direction join without a stop; each is planned so that the last of them ends at rest.
@@ -193,13 +200,15 @@ class Grbl final : public SteppedFirmware {
   unsigned reports_ = 0;
   std::int64_t reset_us_ = 0, now_us_ = 0;
   double position_deg_ = 0.0, rate_dps_ = 0.0;
-  double stands_at_deg_;  // when its position was 0
+  double stands_at_deg_;  // of the motor, when its position was 0
+  GearTrain train_;
 };
 
 }  // namespace
 
-std::unique_ptr<Firmware> make_grbl(std::uint32_t baud, std::uint64_t seed, const GrblHabits& habits) {
-  return std::make_unique<Grbl>(baud, seed, habits);
+std::unique_ptr<Firmware> make_grbl(std::uint32_t baud, std::uint64_t seed, const GrblHabits& habits,
+                                    const ServoWorld& world) {
+  return std::make_unique<Grbl>(baud, seed, habits, world);
 }
 
 }  // namespace thermorig::simulation

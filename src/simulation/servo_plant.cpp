@@ -16,7 +16,6 @@ constexpr double scale_error = 0.01;                 // standard deviation over 
 constexpr double slope_error = 0.005;                // standard deviation along the travel
 constexpr double friction_time_s = 0.02;             // an unpowered gear stops at once
 constexpr double coast_time_s = 0.15;                // a continuous servo's motor runs down
-constexpr double supply_time_s = 2.0;                // in which a weak supply gives way
 constexpr double grease_time_s = 120.0;              // in which friction warms up
 
 double without_dead_band(double error, double dead_band) {
@@ -26,10 +25,14 @@ double without_dead_band(double error, double dead_band) {
 }  // namespace
 
 ServoPlant::ServoPlant(const ServoProfile& servo, double loop_hz, std::uint64_t seed, const ServoWorld& world)
-    : servo_(servo), world_(world) {
+    : servo_(servo),
+      world_(world),
+      train_(world, seed, 0.0),
+      friction_(world.stick_deg),
+      supply_(world.supply_sag, world.top_speed_dps) {
   Random random(seed, "servo");
   loop_rad_ = 2.0 * std::numbers::pi * loop_hz;
-  max_rate_dps_ = std::min(random.uniform(375.0, 600.0), world.top_speed_dps);
+  supply_ = Supply(world.supply_sag, std::min(random.uniform(375.0, 600.0), world.top_speed_dps));
   max_acceleration_dps2_ = 2000.0 * loop_hz;  // a stiff loop needs a strong motor
   dead_band_deg_ = random.uniform(0.2, 0.5) + world.dead_band_deg;
   dead_band_us_ = random.uniform(2.0, 5.0);
@@ -38,10 +41,7 @@ ServoPlant::ServoPlant(const ServoProfile& servo, double loop_hz, std::uint64_t 
     wave = {random.normal(slope_error * std::sqrt(2.0 / 3.0)), random.uniform(0.0, 2.0 * std::numbers::pi)};
   angle_deg_ = random.normal(5.0);
   target_ = servo.kind == ServoKind::positional ? angle_deg_ : 0.0;
-  ripple_phase_rad_ = Random(seed, "servo ripple").uniform(0.0, 2.0 * std::numbers::pi);
-  play_deg_ = shaft_deg_ = angle_deg_;
-  if (world.ripple > 0.0) follow_gear();
-  shaft_dps_ = 0.0;
+  train_ = GearTrain(world, seed, angle_deg_);
 }
 
 void ServoPlant::pulse(std::int64_t end_ns, double width_us) {
@@ -81,15 +81,9 @@ double ServoPlant::loop_error_deg() const {
   return without_dead_band(error_deg, dead_band_deg_);
 }
 
-/// Friction stops the shaft where half of stick_deg is left of its error, and holds it until there is all.
-bool ServoPlant::is_stuck(double error_deg) {
-  stuck_ = std::abs(error_deg) < (stuck_ ? world_.stick_deg : world_.stick_deg / 2.0);
-  return stuck_;
-}
-
 double ServoPlant::positional_acceleration_dps2(bool driven) {
   const double error_deg = loop_error_deg();
-  if (!driven || is_stuck(error_deg)) return -rate_dps_ / friction_time_s;
+  if (!driven || friction_.holds(error_deg)) return -rate_dps_ / friction_time_s;
   return loop_rad_ * loop_rad_ * error_deg - 2.0 * world_.damping * loop_rad_ * rate_dps_;
 }
 
@@ -97,17 +91,9 @@ double ServoPlant::continuous_acceleration_dps2(bool driven) const {
   return driven ? loop_rad_ * (target_ - rate_dps_) : -rate_dps_ / coast_time_s;
 }
 
-/// A weak supply gives way while the servo turns at the speed that is left.
-double ServoPlant::speed_ceiling_dps() {
-  if (world_.supply_sag == 0.0) return max_rate_dps_;
-  const double ceiling_dps = max_rate_dps_ * (1.0 - world_.supply_sag * strain_);
-  strain_ += step_s / supply_time_s * (std::min(1.0, std::abs(rate_dps_) / ceiling_dps) - strain_);
-  return ceiling_dps;
-}
-
 void ServoPlant::turn_gear(double wanted_dps2) {
   const double before_dps = rate_dps_;
-  const double ceiling_dps = speed_ceiling_dps();
+  const double ceiling_dps = supply_.ceiling_dps(rate_dps_, step_s);
   rate_dps_ += step_s * std::clamp(wanted_dps2, -max_acceleration_dps2_, max_acceleration_dps2_);
   rate_dps_ = std::clamp(rate_dps_, -ceiling_dps, ceiling_dps);
   angle_deg_ += step_s * (before_dps + rate_dps_) / 2.0;
@@ -120,16 +106,6 @@ void ServoPlant::turn_gear_against_friction(double wanted_dps2, double friction_
   if (before_dps == 0.0 && std::abs(wanted_dps2) <= friction_dps2) return;
   turn_gear(wanted_dps2 - std::copysign(friction_dps2, before_dps != 0.0 ? before_dps : wanted_dps2));
   if (rate_dps_ * before_dps < 0.0) rate_dps_ = 0.0;  // it has stopped in between
-}
-
-/// The shaft is pushed by whichever flank of the gear touches it, and by a wheel off its centre.
-void ServoPlant::follow_gear() {
-  const double play_deg = world_.backlash_deg / 2.0;
-  play_deg_ = std::clamp(play_deg_, angle_deg_ - play_deg, angle_deg_ + play_deg);
-  const double wheel_rad = 2.0 * std::numbers::pi / world_.ripple_period_deg;  // a degree of the gear
-  const double before_deg = shaft_deg_;
-  shaft_deg_ = play_deg_ + world_.ripple / wheel_rad * std::sin(wheel_rad * play_deg_ + ripple_phase_rad_);
-  shaft_dps_ = (shaft_deg_ - before_deg) / step_s;
 }
 
 void ServoPlant::step(std::int64_t begin_ns) {
@@ -147,12 +123,10 @@ void ServoPlant::step(std::int64_t begin_ns) {
         world_.cold_friction_deg * std::exp(-1e-9 * static_cast<double>(begin_ns) / grease_time_s));
   else
     turn_gear(wanted_dps2);
-  if (world_.backlash_deg > 0.0 || world_.ripple > 0.0) {
-    follow_gear();
-  } else {
-    shaft_deg_ = angle_deg_;
-    shaft_dps_ = rate_dps_;
-  }
+  const double before_deg = train_.shaft_deg();
+  train_.follow(angle_deg_);
+  const bool is_rigid = world_.backlash_deg == 0.0 && world_.ripple == 0.0;
+  shaft_dps_ = is_rigid ? rate_dps_ : (train_.shaft_deg() - before_deg) / step_s;
 }
 
 }  // namespace thermorig::simulation

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 
+#include "position_servo.h"
 #include "random.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/simulation/world.h"
@@ -27,7 +28,7 @@ class ServoPlant {
   void step(std::int64_t begin_ns);
 
   // Of the shaft.
-  double angle_deg() const { return shaft_deg_; }
+  double angle_deg() const { return train_.shaft_deg(); }
   double rate_dps() const { return shaft_dps_; }
 
  private:
@@ -40,16 +41,12 @@ class ServoPlant {
   double positional_acceleration_dps2(bool driven);
   double continuous_acceleration_dps2(bool driven) const;
   double loop_error_deg() const;
-  bool is_stuck(double error_deg);
-  double speed_ceiling_dps();
   void turn_gear(double wanted_dps2);
   void turn_gear_against_friction(double wanted_dps2, double friction_deg);
-  void follow_gear();
 
   ServoProfile servo_;
   ServoWorld world_;
   double loop_rad_;  // natural frequency, rad/s
-  double max_rate_dps_;
   double max_acceleration_dps2_;
   double dead_band_deg_;
   double scale_;  // of the whole run
@@ -64,11 +61,9 @@ class ServoPlant {
   double target_ = 0.0;  // deg or deg/s, by kind
   double angle_deg_;     // of the gear
   double rate_dps_ = 0.0;
-  bool stuck_ = false;
-  double strain_ = 0.0;  // of the supply, 0 to 1
-  double ripple_phase_rad_ = 0.0;
-  double play_deg_;   // where the gear has pushed what it drives
-  double shaft_deg_;  // the same with the gear's ripple
+  GearTrain train_;
+  Friction friction_;
+  Supply supply_;
   double shaft_dps_ = 0.0;
 };
 

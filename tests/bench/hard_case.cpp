@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // One simulated rig in its world, used as a user would, and its session against the truth: one JSON object.
 // What hard_table.py makes its rows of.
-// Usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS [CAMERA]] [--encoder] | --knobs
+// Usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS [CAMERA]]
+//                  [--encoder | --servo PROTOCOL] | --knobs
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -147,10 +148,13 @@ int main(int count, char** arguments) {
   }
   const bool has_encoder = std::string(arguments[count - 1]) == "--encoder";
   if (has_encoder) --count;
+  const bool has_other_servo = count > 5 && std::string(arguments[count - 2]) == "--servo";
+  const std::string servo = has_other_servo ? arguments[count - 1] : ServoProfile().protocol;
+  if (has_other_servo) count -= 2;
   if (count < 4 || count > 6) {
     fmt::print(stderr,
-               "usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS [CAMERA]] [--encoder] | "
-               "--knobs\n");
+               "usage: hard_case SEED ENVIRONMENT WORLD [WORLD-OF-THE-CALIBRATIONS [CAMERA]] [--encoder | "
+               "--servo PROTOCOL] | --knobs\n");
     return 2;
   }
   try {
@@ -160,7 +164,8 @@ int main(int count, char** arguments) {
                                   .world = world,
                                   .calibrated_in = count > 4 ? arguments[4] : world,
                                   .camera = count > 5 ? arguments[5] : "half",
-                                  .has_encoder = has_encoder})
+                                  .has_encoder = has_encoder,
+                                  .servo = servo})
                            .dump());
   } catch (const std::exception& error) {
     fmt::print(stderr, "hard_case: {}\n", error.what());

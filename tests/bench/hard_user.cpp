@@ -7,6 +7,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/rig/calibration/calibration.h"
 #include "thermorig/rig/recording/virtual_recording.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::bench {
 namespace {
@@ -21,6 +22,8 @@ simulation::VirtualRigConfig rig_in(const HardCase& hard, const std::string& env
   simulation::put_in_world(simulation::world_named(world, hard.seed), config);
   simulation::choose_camera(hard.camera, config);
   config.has_encoder = hard.has_encoder;
+  sensors::choose_servo(hard.servo, config.profile.servo);
+  if (hard.servo == "dynamixel") config.profile.servo.link.baud = 1'000'000;
   if (profile != nullptr) config.profile = *profile;
   return config;
 }
@@ -33,7 +36,7 @@ struct Recorded {
 
 Recorded record(const simulation::VirtualRigConfig& config, const rig::SweepPlan& plan,
                 const rig::test::TemporaryFolder& folder) {
-  Recorded recorded{std::make_unique<SimulatedBus>(config), {}, {}};
+  Recorded recorded{std::make_unique<SimulatedBus>(config, simulation::make_servo(config)), {}, {}};
   recorded.bus->rig.keep_truth(true);
   rig::VirtualOptions options;
   options.recording = rig::test::recording_options(folder, config.profile, plan);
@@ -93,7 +96,9 @@ HardRecording use(const HardCase& hard) {
        {CalibrationKind::latency, "latency"}}};
   for (const auto& [kind, name] : calibrations)
     calibrate(kind, name, hard, profile, made.refused_calibrations);
-  if (hard.has_encoder)
+  const bool has_own_sensor =
+      hard.servo != ServoProfile().protocol && !sensors::servo_protocol(hard.servo).shaft_sensor.empty();
+  if (hard.has_encoder || has_own_sensor)
     calibrate(CalibrationKind::encoder, "encoder", hard, profile, made.refused_calibrations);
   const rig::test::TemporaryFolder folder;
   try {

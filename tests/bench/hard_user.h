@@ -20,8 +20,9 @@ struct HardCase {
   std::string environment = "laboratory";
   std::string world = "honest";
   std::string calibrated_in = "honest";
-  std::string camera = "half";  // of simulation::camera_kinds()
-  bool has_encoder = false;     // an AS5600 on the shaft, which is calibrated as well
+  std::string camera = "half";       // of simulation::camera_kinds()
+  bool has_encoder = false;          // an AS5600 on the shaft, which is calibrated as well
+  std::string servo = "servo-link";  // its protocol; what measures its shaft is calibrated as well
 };
 
 /// A calibration that said that it cannot tell: what it would have measured stays an assumption.

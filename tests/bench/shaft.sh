@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# What a shaft that is measured is worth: labels by the servo model (believed) and by an AS5600 that was calibrated in the
-# same world, against the simulator's truth, in the world typical and with backlash, stick-slip and load; what must be met
-# is at the end (exit code 1 where it is not). 3 seeds a row, each a calibrated rig and the plan paper: some ten minutes on
-# two idle cores; --quick: one seed.
-# Usage: bash tests/bench/shaft.sh [--json] [--quick] [--first-seed N] [--jobs N]
+# What a shaft that is measured is worth: labels by the servo model (believed), by an AS5600, a Dynamixel's and an STS3215's
+# own sensor, each calibrated in the same world, and by a stepper's (GRBL) commands, against the simulator's truth, in the
+# world typical and with backlash, stick-slip, load and a weak supply; what must be met is at the end (exit code 1 where it
+# is not). 3 seeds a row, each a calibrated rig and the plan paper: half an hour on two idle cores; --quick: one seed.
+# Usage: bash tests/bench/shaft.sh [--json] [--quick] [--first-seed N] [--shafts NAME...] [--jobs N]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 build=${THERMORIG_BUILD:-build-bench}

@@ -6,6 +6,7 @@
 #include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/sensors/wire/dynamixel.h"
 #include "thermorig/sensors/wire/grbl.h"
+#include "thermorig/sensors/wire/sts3215.h"
 
 namespace {
 
@@ -33,7 +34,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace thermorig;
   static const std::vector<std::uint8_t> packet = test::read_vectors("dynamixel.txt").front().bytes;
   static const std::vector<std::uint8_t> line = test::read_vectors("grbl.txt").front().bytes;
+  static const std::vector<std::uint8_t> short_packet = test::read_vectors("sts3215.txt").front().bytes;
   fuzz("dynamixel", packet, wire::dynamixel::longest_packet, {data, size});
   fuzz("grbl", line, wire::grbl::longest_line, {data, size});
+  fuzz("sts3215", short_packet, wire::sts3215::longest_packet, {data, size});
   return 0;
 }

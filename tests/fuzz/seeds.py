@@ -68,7 +68,7 @@ TEXTS = {
     "journal": [],
     "session": [],
 }
-DEVICES = {"camera": "gy_mcu90640", "witmotion": "witmotion", "text_gyro": "text_gyro", "text_camera": "text_camera", "binary_camera": "binary_camera", "i2c_stick": "i2c_stick", "mlx_raw": "mlx_raw", "mavlink": "mavlink_gyro", "framed": ("vectornav", "xsens", "hipnuc", "mip"), "servo": "servo_link", "bus_servo": ("dynamixel", "grbl")}
+DEVICES = {"camera": "gy_mcu90640", "witmotion": "witmotion", "text_gyro": "text_gyro", "text_camera": "text_camera", "binary_camera": "binary_camera", "i2c_stick": "i2c_stick", "mlx_raw": "mlx_raw", "mavlink": "mavlink_gyro", "framed": ("vectornav", "xsens", "hipnuc", "mip"), "servo": "servo_link", "bus_servo": ("dynamixel", "grbl", "sts3215")}
 
 
 def keep(name, content):

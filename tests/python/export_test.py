@@ -45,8 +45,10 @@ def exported(*words):
 
 def setUpModule():
     global session
-    run("live", "--record", "--fast", "--world", "honest", "--simulated=3", "-e", "garden", "-o", "recordings", *BRIEF)
-    session = thermorig.Session(thermorig.find_sessions(Path(folder.name) / "recordings")[0])
+    rig = "--fast --world honest --simulated=3 --simulated-encoder as5600 -o recordings".split()
+    run("calibrate", "encoder", *rig, "--save", "rig.toml")
+    run("live", "--record", *rig, "--rig", "rig.toml", "-e", "garden", *BRIEF)
+    session = thermorig.Session(thermorig.find_sessions(Path(folder.name) / "recordings/garden")[0])
 
 
 def tearDownModule():
@@ -75,7 +77,7 @@ class NumPy(unittest.TestCase):
                 self.assertEqual((arrays[name].dtype, arrays[name].shape), (ours.dtype, ours.shape), name)
                 self.assertEqual(arrays[name].tobytes(), ours.tobytes(), name)
             self.assertGreater(len(windows), 5)
-            for label in ("corrected", "shaft"):
+            for label in ("corrected", "shaft", "measured"):
                 ours = thermorig.windows(session, frames, reduction, label=label).label_dps
                 self.assertEqual(arrays[f"{label}_dps"].tobytes(), ours.tobytes(), label)
 
@@ -165,6 +167,14 @@ class Tum(unittest.TestCase):
         self.assertGreater(len(steady), 20)
         np.testing.assert_allclose(rate, session.label("rate_shaft")[steady], atol=1.5)
 
+    def test_the_measured_shaft_is_each_reading_of_its_sensor(self):
+        time, angle = self.trajectory("measured")
+        readings = session.table("shaft")
+        known = np.isfinite(readings["angle"])
+        self.assertGreater(known.sum(), 1000)
+        np.testing.assert_allclose(time, readings["time"][known], atol=2e-6)
+        np.testing.assert_allclose(np.diff(angle), np.diff(readings["angle"][known]), atol=1e-6)
+
 
 class Mcap(unittest.TestCase):
     @classmethod
@@ -181,7 +191,8 @@ class Mcap(unittest.TestCase):
         return [json.loads(data) for _, _, data in self.mcap.messages[topic]]
 
     def test_has_every_message_at_its_time_in_order(self):
-        groups = {"/camera": "camera", "/gyro": "gyro", "/servo": "servo", "/label": "samples", "/events": "events"}
+        groups = {"/camera": "camera", "/gyro": "gyro", "/servo": "servo", "/label": "samples", "/events": "events",
+                  "/shaft": "shaft"}
         self.assertEqual(set(self.mcap.messages), set(groups))
         for topic, group in groups.items():
             times = self.times_of(group)
@@ -189,6 +200,15 @@ class Mcap(unittest.TestCase):
             np.testing.assert_array_equal([publish for _, publish, _ in self.mcap.messages[topic]], times)
         self.assertEqual(self.mcap.order, sorted(self.mcap.order))
         self.assertGreater(self.mcap.chunks, 1)
+
+    def test_has_the_measured_shaft(self):
+        readings, labels = self.messages("/shaft"), self.messages("/label")
+        self.assertGreater(np.isfinite(stored("samples/rate_measured")).sum(), 20)
+        np.testing.assert_array_equal([r["angle_deg"] for r in readings], stored("shaft/angle"))
+        np.testing.assert_allclose([r["uncertainty_deg"] for r in readings], stored("shaft/angle_uncertainty"), rtol=1e-6)
+        for name, column in (("rate_measured_dps", "rate_measured"), ("angle_measured_deg", "angle_measured")):
+            said = np.array([label[name] for label in labels], np.float64)
+            np.testing.assert_allclose(said, stored("samples/" + column), rtol=1e-6)
 
     def test_has_every_pixel(self):
         images = self.messages("/camera")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Servos that do not carry our firmware: Dynamixel, GRBL.
+// Servos that do not carry our firmware: Dynamixel, GRBL, STS3215.
 #include "thermorig/sensors/wire/dynamixel.h"
 
 #include <gmock/gmock.h>
@@ -10,6 +10,7 @@
 #include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/sensors/wire/grbl.h"
+#include "thermorig/sensors/wire/sts3215.h"
 #include "wire/scan.h"
 #include "wire/vector_fields.h"
 
@@ -18,6 +19,7 @@ namespace {
 
 namespace dynamixel = wire::dynamixel;
 namespace grbl = wire::grbl;
+namespace sts3215 = wire::sts3215;
 using Bytes = std::vector<std::uint8_t>;
 
 sensors::ServoScanner scanner_of(int id) {
@@ -69,6 +71,47 @@ TEST(Grbl, StreamsAreReadAsTheGoldenVectorsDescribe) {
   expect_described("grbl.txt", sensors::servo_protocol("grbl").scanner({}));
 }
 
+TEST(Sts3215, StreamsAreReadAsTheGoldenVectorsDescribe) {
+  expect_described("sts3215.txt", sensors::servo_protocol("sts3215").scanner({}));
+}
+
+/// It says where it goes and how fast, but not whether its profile is still on the ramp.
+TEST(Sts3215, IsSteadyFromWhereItHasItsSpeedToWhereItHasToBrakeHoweverUnevenItTurns) {
+  constexpr int asked = 683, goal = 8000;
+  sensors::ServoScanner scanner = sensors::servo_protocol("sts3215").scanner({});
+  const auto motion_at = [&](int position, int speed) {
+    Bytes memory(sts3215::telemetry_bytes);
+    const auto put = [&](std::uint16_t address, int value) {
+      Bytes two;
+      sts3215::put_signed(value, two);
+      std::copy(two.begin(), two.end(), memory.begin() + address - sts3215::telemetry_begin);
+    };
+    memory[0] = 1;
+    memory[1] = 228;
+    put(sts3215::at::goal_position, goal);
+    put(sts3215::at::goal_speed, asked);
+    put(sts3215::at::present_position, position);
+    put(sts3215::at::present_speed, speed);
+    memory[sts3215::at::moving - sts3215::telemetry_begin] = 1;
+    std::vector<wire::ServoMessage> messages;
+    scanner.push(sts3215::packet(1, 0, memory), messages);
+    return std::get<ServoState>(messages.at(0).body).motion;
+  };
+  EXPECT_EQ(motion_at(2048, 300), ServoMotion::ramping);
+  for (int i = 1; i < 6; ++i) EXPECT_EQ(motion_at(2100 + 14 * i, 600), ServoMotion::ramping);
+  EXPECT_EQ(motion_at(2184, 600), ServoMotion::steady) << "its loop has caught up";
+  EXPECT_EQ(motion_at(5000, 400), ServoMotion::steady) << "it sticks, and has not got another goal";
+  EXPECT_EQ(motion_at(goal - 8, 400), ServoMotion::ramping);
+}
+
+TEST(Sts3215, IsRecognisedByOneAnswerAndItsIdIsNamedAndAnEchoIsNoServo) {
+  const auto found = sensors::recognise(sts3215::packet(7, 0, {}), 1.0);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].protocol, "sts3215");
+  EXPECT_EQ(found[0].evidence.settings.at("bus_id"), 7);
+  EXPECT_TRUE(sensors::recognise(sts3215::ping(sts3215::every_id), 1.0).empty());
+}
+
 /// Reports have neither leg nor arming: what was sent says both.
 TEST(Grbl, ReportsAreReadWithWhatWasSent) {
   sensors::ServoScanner scanner = sensors::servo_protocol("grbl").scanner({});
@@ -88,6 +131,7 @@ TEST(Grbl, ReportsAreReadWithWhatWasSent) {
   EXPECT_EQ(driven.rate_dps, -30.0);
   EXPECT_EQ(driven.leg, 7);
   scanner.sent(Bytes{grbl::jog_cancel});
+  EXPECT_EQ(report("<Jog|MPos:-2.000,0.000,0.000|FS:1800,0>").motion, ServoMotion::stopping);
   EXPECT_EQ(report(at_rest).leg, 0);
 }
 
@@ -104,6 +148,17 @@ TEST(Grbl, WhatIsSentAfterALongRestIsUnderstood) {
   const ServoState state = std::get<ServoState>(messages.at(0).body);
   EXPECT_EQ(state.leg, 7);
   EXPECT_EQ(state.motion, ServoMotion::steady);
+}
+
+TEST(Grbl, AScaleThatIsWrongIsThatOfItsStepsADegreeWhichAreNamed) {
+  const auto scale_cause = sensors::servo_protocol("grbl").scale_cause;
+  EXPECT_FALSE(scale_cause(0.9, {}));
+  const std::string line = "$100=40.000";
+  const wire::ServoMessage listed{.body = wire::ServoReply{.data = {line.begin(), line.end()}}, .span = {}};
+  const auto cause = scale_cause(0.8, std::span(&listed, 1));
+  ASSERT_TRUE(cause);
+  EXPECT_THAT(cause->why, ::testing::HasSubstr("$100 = 40.000"));
+  EXPECT_THAT(cause->remedy, ::testing::HasSubstr("$100=50.000"));
 }
 
 TEST(Grbl, IsRecognisedByItsBannerAlone) {

@@ -51,7 +51,7 @@ TEST(SearchSteps, GoOverEveryUsualBaudRateAndGreetServosLast) {
   const std::vector<SearchStep> steps = search_steps();
   for (const SearchStep& step : steps) bauds.push_back(step.at.baud);
   EXPECT_THAT(bauds, ElementsAre(460800, 115200, 9600, 1000000, 921600, 230400, 38400, 57600, 250000, 1000000,
-                                 2000000, 115200));
+                                 2000000, 115200, 1000000, 115200));
   const std::vector<std::uint8_t> nothing;
   const std::vector<std::uint8_t> ask_for_frames{0xA5, 0x35, 0x02, 0xDC};
   const std::vector<std::uint8_t> ask_the_stick = camera_protocol("i2c-stick").greeting();
@@ -59,9 +59,10 @@ TEST(SearchSteps, GoOverEveryUsualBaudRateAndGreetServosLast) {
   const std::vector<std::uint8_t> hello = wire::hello_bytes(0);
   const std::vector<std::uint8_t> ping = servo_protocol("dynamixel").greeting();
   const std::vector<std::uint8_t> status = servo_protocol("grbl").greeting();
-  const std::vector greetings{ask_for_frames, ask_for_frames, ask_for_frames, ask_the_stick,
-                              ask_for_words,  nothing,        nothing,        ping,
-                              hello,          ping,           ping,           status};
+  const std::vector<std::uint8_t> feetech = servo_protocol("sts3215").greeting();
+  const std::vector greetings{ask_for_frames, ask_for_frames, ask_for_frames, ask_the_stick, ask_for_words,
+                              nothing,        nothing,        ping,           hello,         ping,
+                              ping,           status,         feetech,        feetech};
   for (std::size_t i = 0; i < steps.size(); ++i) {
     SCOPED_TRACE(steps[i].at.baud);
     EXPECT_EQ(steps[i].greeting, greetings[i]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is sent to servos that do not carry our firmware: packets of Dynamixel, lines of GRBL.
+// What is sent to servos that do not carry our firmware: packets of Dynamixel and Feetech, lines of GRBL.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,12 +8,14 @@
 
 #include "thermorig/sensors/wire/dynamixel.h"
 #include "thermorig/sensors/wire/grbl.h"
+#include "thermorig/sensors/wire/sts3215.h"
 
 namespace thermorig::test::bus_servo_words {
 namespace {
 
 namespace dynamixel = wire::dynamixel;
 namespace grbl = wire::grbl;
+namespace sts3215 = wire::sts3215;
 using Bytes = std::vector<std::uint8_t>;
 
 TEST(Grbl, AJogThatIsSentReadsBackWithItsLeg) {
@@ -68,6 +70,39 @@ TEST(Dynamixel, NumbersOfFourBytesComeBack) {
     dynamixel::put_i32(value, bytes);
     EXPECT_EQ(dynamixel::i32_at(bytes, 1), value);
   }
+}
+
+/// The maker's own examples.
+TEST(Sts3215, PacketsAreThoseOfTheDocument) {
+  EXPECT_EQ(sts3215::read(1, sts3215::at::present_position, 4),
+            (Bytes{0xFF, 0xFF, 0x01, 0x04, 0x02, 0x38, 0x04, 0xBC}));
+  const auto answer = sts3215::parse(Bytes{0xFF, 0xFF, 0x01, 0x06, 0x00, 0x00, 0x08, 0x3C, 0x80, 0x34});
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(sts3215::signed_at(answer->parameters, 0), 2048);
+  EXPECT_EQ(sts3215::signed_at(answer->parameters, 2), -60);
+}
+
+TEST(Sts3215, NumbersWithASignBitComeBack) {
+  for (const std::int32_t value : {0, 1, -1, 2048, -30719, 32767}) {
+    Bytes bytes;
+    sts3215::put_signed(value, bytes);
+    EXPECT_EQ(sts3215::signed_at(bytes, 0), value);
+  }
+}
+
+/// Their packets look the same, and adapters send back what was sent.
+TEST(Sts3215, NoInstructionIsTakenForAnAnswer) {
+  for (const Bytes& sent :
+       {sts3215::ping(sts3215::every_id), sts3215::note(515), sts3215::write(1, sts3215::at::lock, Bytes{0}),
+        sts3215::read(1, sts3215::telemetry_begin, sts3215::telemetry_bytes),
+        sts3215::write(1, sts3215::at::goal_position, Bytes(2)),
+        sts3215::write(1, sts3215::at::least_angle, Bytes(4)),
+        sts3215::write(1, sts3215::at::acceleration, Bytes(7))}) {
+    ASSERT_TRUE(sts3215::parse(sent));
+    EXPECT_FALSE(sts3215::is_answer(*sts3215::parse(sent))) << sent.size();
+  }
+  EXPECT_TRUE(sts3215::is_answer({1, 0, {}}));
+  EXPECT_TRUE(sts3215::is_answer({1, 1, Bytes(sts3215::telemetry_bytes)}));
 }
 
 TEST(Grbl, NotesAreThoseOfTheDocument) {

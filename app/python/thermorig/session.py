@@ -215,6 +215,18 @@ class Session:
         return (source.decode() if isinstance(source, bytes) else source) == "gyro"
 
     @cached_property
+    def shaft_sensor(self) -> str | None:
+        """What measured the shaft, "AS5600" for one, whether it is believed or not; None: nothing did. Each of its readings:
+        `table("shaft")`."""
+        sensor = self.file["shaft"].attrs["sensor"] if "shaft" in self.file else None
+        return sensor.decode() if isinstance(sensor, bytes) else sensor
+
+    @cached_property
+    def shaft_deg(self) -> NDArray[np.float64]:
+        """(N) where that sensor had the shaft at `middle_s`, in degrees, turns counted; NaN where it did not."""
+        return self.column("angle_measured") if self.shaft_sensor else np.full(len(self), np.nan)
+
+    @cached_property
     def gyro_dps(self) -> NDArray[np.float32]:
         """(N) mean of the gyro over each frame's exposure, about the servo's axis. Its bias is in it."""
         return self.column("rate_gyro")

@@ -31,6 +31,7 @@ struct Fits {
   std::optional<double> frame_period_s;  // time between frames
   std::vector<labels::FrameGap> gaps;    // before each frame, in order
   PerDevice<std::vector<TimeEstimate>> times;  // of each frame, gyro sample and telemetry message, in order
+  double servo_rate_scale = 1.0;               // true speeds of a servo for each that it states
   std::optional<SyncReport> sync;
 };
 

@@ -18,6 +18,11 @@ namespace thermorig::sensors {
 
 using ServoScanner = Scanner<wire::ServoMessage>;
 
+/// Why a shaft turns by another angle than was commanded, and what to change; ready to print.
+struct ScaleCause {
+  std::string why, remedy;
+};
+
 /// What the program knows of a servo's protocol beside how it is driven (rig/sweep/servo_driver.h).
 struct ServoProtocol {
   std::string_view name;        // in profiles, sessions and `decode --servo-protocol`
@@ -40,6 +45,14 @@ struct ServoProtocol {
   std::optional<Evidence> (*recognise)(std::span<const std::uint8_t> bytes);
   std::vector<std::uint8_t> (*greeting)();  // it answers this, whatever it was doing, and moves nothing
   std::vector<std::uint8_t> (*emergency_bytes)();  // stop it, whatever it was doing
+
+  /// Its angles are steps that it has put out: over seconds they show how fast its clock goes, by which it
+  /// also makes the speeds that it states.
+  bool counts_steps = false;
+  /// Where the shaft turned by `share` of what was commanded, and a setting of the servo may be the cause. By
+  /// what it has answered. None: no setting is known.
+  std::optional<ScaleCause> (*scale_cause)(double share,
+                                           std::span<const wire::ServoMessage> answers) = nullptr;
 };
 
 /// The table. The first one is what a profile has that names none.

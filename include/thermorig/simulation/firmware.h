@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/simulation/world.h"
+
 namespace thermorig::simulation {
 
 /// A byte that the micro-controller put on its UART, with its own time.
@@ -93,18 +95,37 @@ struct DynamixelHabits {
 /// A servo of the X series with this ID, at this baud rate: source protocols/dynamixel.md. Its firmware, its
 /// motor and the shaft.
 std::unique_ptr<Firmware> make_dynamixel(std::uint8_t id, std::uint32_t baud, std::uint64_t seed,
-                                         const DynamixelHabits& habits = {});
+                                         const DynamixelHabits& habits = {}, const ServoWorld& world = {});
 
 /// How a simulated GRBL board is set, and its worst habits.
 struct GrblHabits {
   double max_rate_dps = 300.0;        // $110
   double acceleration_dps2 = 2000.0;  // $120
   double clock_error = 0.003;         // of its resonator, as a share
+  double steps_error = 0.0;           // of $100, as a share of what motor and gear have
   bool resets_on_open = true;         // of its port, as an Arduino does
   bool is_locked = false;             // after each reset, until $X
 };
 
 /// A stepper behind GRBL 1.1, whose first axis turns: source protocols/grbl.md.
-std::unique_ptr<Firmware> make_grbl(std::uint32_t baud, std::uint64_t seed, const GrblHabits& habits = {});
+std::unique_ptr<Firmware> make_grbl(std::uint32_t baud, std::uint64_t seed, const GrblHabits& habits = {},
+                                    const ServoWorld& world = {});
+
+/// How a simulated STS3215 is found, and its worst habits.
+struct Sts3215Habits {
+  std::uint8_t return_delay = 250;  // in its EEPROM, 2 us each
+  bool answers_writes = true;       // likewise
+  bool counts_turns = false;        // likewise: as it is sold it turns within one turn
+  std::uint8_t model = 9;           // of the STS; another one is a servo that only answers alike
+  bool echoes = false;              // its half-duplex adapter sends back what the host sends
+  bool complains = false;           // of its supply, in each answer, and turns all the same
+  double play_deg = 1.0;            // of its gear
+  double unevenness = 0.03;         // of its speed, as a share
+  double encoder_error_deg = 0.2;   // once a turn
+};
+
+/// Feetech's STS3215 with this ID, at this baud rate: source protocols/sts3215.md. Likewise.
+std::unique_ptr<Firmware> make_sts3215(std::uint8_t id, std::uint32_t baud, std::uint64_t seed,
+                                       const Sts3215Habits& habits = {}, const ServoWorld& world = {});
 
 }  // namespace thermorig::simulation

@@ -77,6 +77,7 @@ struct VirtualRigConfig {
   bool gyro_zeroes_itself = false;  // at rest, after a second, as WitMotion's do
   DynamixelHabits dynamixel;        // of a servo that speaks that
   GrblHabits grbl;                  // likewise
+  Sts3215Habits sts3215;            // likewise
   World world;                      // what its devices do beyond that; begins as the honest one
   std::vector<Outage> outages;
   std::vector<HandTurn> hand_turns;

@@ -15,4 +15,9 @@ inline constexpr std::uint64_t second_ns = 1'000'000'000;
 /// A time of the host's clock as Unix time in nanoseconds. What no recording can hold goes round.
 std::uint64_t unix_ns(const RecordingHeader& header, HostTime time);
 
+/// Whether something measured the shaft.
+inline bool has_measured_shaft(const RawRecording& raw) {
+  return !raw.header.shaft_sensor.empty();
+}
+
 }  // namespace thermorig::interchange

@@ -99,20 +99,35 @@ McapChannel servo_channel() {
                                {"leg", of_type("integer", "that is driven; 0: none")}}));
 }
 
-McapChannel label_channel() {
+McapChannel shaft_channel() {
   return channel_of(
-      "/label", "thermorig.Label",
+      "/shaft", "thermorig.Shaft",
+      object_of({{"timestamp", time_with("nsec")},
+                 {"angle_deg", measured("deg, turns counted; null: the sensor has no angle")},
+                 {"uncertainty_deg", measured("deg, of one reading, one standard deviation")},
+                 {"trusts_itself", of_type("boolean", "what it measures by is strong enough")}}));
+}
+
+McapChannel label_channel(bool has_measured_shaft) {
+  Json label =
       object_of({{"timestamp", time_with("nsec")},
                  {"frame", of_type("integer", "index into the messages of /camera")},
                  {"rate_commanded_dps", measured("deg/s over the frame's exposure: the label of trainings")},
-                 {"rate_shaft_dps", measured("deg/s of the shaft by the servo's model")},
+                 {"rate_shaft_dps",
+                  measured("deg/s of the shaft: measured where that is believed, else by the servo's model")},
                  {"rate_shaft_uncertainty_dps", measured("deg/s, one standard deviation")},
                  {"rate_gyro_dps", measured("deg/s, mean over the exposure, bias in it")},
                  {"angle_commanded_deg", measured("deg")},
                  {"valid", of_type("boolean")},
                  {"reasons", list_of("string")},
                  {"leg", of_type("integer")},
-                 {"run", of_type("integer", "unbroken run of valid frames; 0: none")}}));
+                 {"run", of_type("integer", "unbroken run of valid frames; 0: none")}});
+  if (has_measured_shaft) {
+    label["properties"]["rate_measured_dps"] = measured("deg/s of the shaft by the sensor on it");
+    label["properties"]["rate_measured_uncertainty_dps"] = measured("deg/s, one standard deviation");
+    label["properties"]["angle_measured_deg"] = measured("deg, at the label's time");
+  }
+  return channel_of("/label", "thermorig.Label", std::move(label));
 }
 
 McapChannel event_channel() {
@@ -126,9 +141,12 @@ McapChannel event_channel() {
 }
 
 /// The channels of a session: images as foxglove.RawImage, rotation as sensor_msgs/Imu, telemetry, labels,
-/// events as foxglove.Log, in this order.
-std::vector<McapChannel> mcap_channels() {
-  return {camera_channel(), gyro_channel(), servo_channel(), label_channel(), event_channel()};
+/// events as foxglove.Log, in this order; then readings of the shaft, where there are some.
+std::vector<McapChannel> mcap_channels(bool has_measured_shaft) {
+  std::vector<McapChannel> channels{camera_channel(), gyro_channel(), servo_channel(),
+                                    label_channel(has_measured_shaft), event_channel()};
+  if (has_measured_shaft) channels.push_back(shaft_channel());
+  return channels;
 }
 
 using Json = nlohmann::ordered_json;
@@ -176,6 +194,13 @@ Json telemetry(const TimedServo& servo, std::uint64_t ns) {
           {"leg", servo.state.leg}};
 }
 
+Json shaft(const TimedShaft& shaft, std::uint64_t ns) {
+  return {{"timestamp", timestamp(ns)},
+          {"angle_deg", number(shaft.angle_deg)},
+          {"uncertainty_deg", number(shaft.reading.uncertainty_deg)},
+          {"trusts_itself", shaft.reading.status == ShaftStatus::good}};
+}
+
 Json label(const LabelledSample& sample, std::uint64_t ns) {
   Json reasons = Json::array();
   for (std::uint32_t i = 0; i < reason_count; ++i)
@@ -191,6 +216,14 @@ Json label(const LabelledSample& sample, std::uint64_t ns) {
           {"reasons", reasons},
           {"leg", sample.leg},
           {"run", sample.run}};
+}
+
+Json label_with_shaft(const LabelledSample& sample, std::uint64_t ns) {
+  Json all = label(sample, ns);
+  all["rate_measured_dps"] = number(sample.rate_measured_dps);
+  all["rate_measured_uncertainty_dps"] = number(sample.rate_measured_uncertainty_dps);
+  all["angle_measured_deg"] = number(sample.angle_measured_deg);
+  return all;
 }
 
 /// As foxglove.Log says it: 2 is information, 3 a warning.
@@ -237,9 +270,14 @@ std::vector<Stream> streams_of(const session::Session& session) {
   const RecordingHeader& header = session.raw.header;
   const auto stamped = [](const auto& row) { return row.stamp.time; };
   const auto timed = [](const auto& row) { return row.time; };
-  return {Stream(header, session.frames, stamped, image), Stream(header, session.gyro, stamped, rotation),
-          Stream(header, session.servo, stamped, telemetry), Stream(header, session.samples, timed, label),
-          Stream(header, session.raw.events, timed, log_entry)};
+  const bool measures = has_measured_shaft(session.raw);
+  std::vector<Stream> streams{Stream(header, session.frames, stamped, image),
+                              Stream(header, session.gyro, stamped, rotation),
+                              Stream(header, session.servo, stamped, telemetry),
+                              Stream(header, session.samples, timed, measures ? label_with_shaft : label),
+                              Stream(header, session.raw.events, timed, log_entry)};
+  if (measures) streams.emplace_back(header, session.shaft, stamped, shaft);
+  return streams;
 }
 
 std::map<std::string, std::string> texts_of(const nlohmann::json& facts) {
@@ -252,8 +290,8 @@ std::map<std::string, std::string> texts_of(const nlohmann::json& facts) {
 }  // namespace
 
 void write_mcap(const session::Session& session, Sink& sink, McapCompression compression) {
-  McapWriter writer(sink, compression, session.raw.header.creator, mcap_channels(),
-                    texts_of(facts_of(session)));
+  McapWriter writer(sink, compression, session.raw.header.creator,
+                    mcap_channels(has_measured_shaft(session.raw)), texts_of(facts_of(session)));
   std::vector<Stream> streams = streams_of(session);
   while (true) {
     const auto first =

@@ -192,6 +192,7 @@ class WindowArrays {
     add(zip, "label_dps", "<f4", [&](const auto& window) { return rates(window).label_dps; });
     add_label(zip, "corrected_dps", &LabelledSample::rate_corrected_dps);
     add_label(zip, "shaft_dps", &LabelledSample::rate_shaft_dps);
+    if (has_measured_shaft(session_.raw)) add_label(zip, "measured_dps", &LabelledSample::rate_measured_dps);
     add(zip, "gyro_dps", "<f4", [&](const auto& window) { return rates(window).gyro_dps; });
     add(zip, "last", "<u4", [](const auto& window) { return window.last; });
     add(zip, "middle_s", "<f8", [&](const auto& window) {

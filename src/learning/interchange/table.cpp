@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "facts.h"
 #include "thermorig/core/frame.h"
 #include "thermorig/core/validity.h"
 
@@ -71,7 +72,7 @@ Table samples_of(const Session& session) {
   columns.add("rate_shaft", "deg/s", [](const Row& row) { return row.rate_shaft_dps; });
   columns.add("rate_shaft_uncertainty", "deg/s",
               [](const Row& row) { return row.rate_shaft_uncertainty_dps; });
-  if (!session.raw.header.shaft_sensor.empty()) {
+  if (has_measured_shaft(session.raw)) {
     columns.add("rate_measured", "deg/s", [](const Row& row) { return row.rate_measured_dps; });
     columns.add("rate_measured_uncertainty", "deg/s",
                 [](const Row& row) { return row.rate_measured_uncertainty_dps; });

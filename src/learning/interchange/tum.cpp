@@ -47,6 +47,16 @@ std::vector<AngleAt> shaft_angles(const session::Session& session) {
   return angles;
 }
 
+/// The shaft as a sensor on it measured it.
+std::vector<AngleAt> measured_angles(const session::Session& session) {
+  std::vector<AngleAt> angles;
+  for (const TimedShaft& shaft : session.shaft)
+    if (std::isfinite(shaft.angle_deg) &&
+        is_of_recording(shaft.stamp.time, session.raw.header.time_reference))
+      angles.push_back({shaft.stamp.time, shaft.angle_deg});
+  return angles;
+}
+
 void add(Trajectory& trajectory, HostTime time, double angle_deg) {
   if (std::isfinite(angle_deg)) trajectory.angles.push_back({time, angle_deg});
 }
@@ -83,6 +93,7 @@ std::string line_of(std::uint64_t unix_ns, double angle_deg) {
 
 std::vector<Trajectory> trajectories_of(const session::Session& session) {
   std::vector<Trajectory> trajectories{{"shaft", shaft_angles(session)}};
+  if (has_measured_shaft(session.raw)) trajectories.push_back({"measured", measured_angles(session)});
   std::vector<Trajectory> others =
       session.raw.estimates.empty() ? without_network(session) : as_shown_live(session.raw);
   std::move(others.begin(), others.end(), std::back_inserter(trajectories));

@@ -7,7 +7,8 @@
 namespace thermorig::labels {
 
 namespace {
-constexpr std::int64_t gap_us = 50'000;
+constexpr std::int64_t ramp_gap_us = 50'000;
+constexpr std::int64_t steady_gap_us = 250'000;  // a GRBL board reports ten times a second
 constexpr HostDuration longest_stall = std::chrono::seconds(1);  // by the host's clock, which may have jumped
 constexpr double one_ramp_s = 0.1;                               // changes closer than this belong together
 
@@ -16,7 +17,7 @@ bool is_motion(const ServoState& state) {
 }
 
 bool follows(const TimedServo& before, const TimedServo& after) {
-  return std::abs(after.mcu_time_us - before.mcu_time_us) <= gap_us &&
+  return std::abs(after.mcu_time_us - before.mcu_time_us) <= steady_gap_us &&
          after.stamp.time - before.stamp.time <= longest_stall &&
          std::abs(after.state.rate_dps - before.state.rate_dps) <= constant_dps;
 }
@@ -46,7 +47,7 @@ std::vector<Interval> speed_changes(std::span<const TimedServo> servo, HostTime 
     const TimedServo& before = servo[i - 1];
     const TimedServo& after = servo[i];
     const bool changed = std::abs(after.state.rate_dps - before.state.rate_dps) > constant_dps;
-    if (!changed || std::abs(after.mcu_time_us - before.mcu_time_us) > gap_us) continue;
+    if (!changed || std::abs(after.mcu_time_us - before.mcu_time_us) > ramp_gap_us) continue;
     const double begin_s = to_s(before.stamp.time - origin), end_s = to_s(after.stamp.time - origin);
     if (changes.empty() || begin_s > changes.back().end_s + one_ramp_s)
       changes.push_back({begin_s, end_s, before.state.rate_dps});

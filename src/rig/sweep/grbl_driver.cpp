@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/sweep/grbl_driver.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "thermorig/core/error.h"
 #include "thermorig/rig/sweep/plan.h"
+#include "thermorig/rig/sweep/servo_driver.h"
 #include "thermorig/sensors/wire/grbl.h"
 
 namespace thermorig::rig {
@@ -28,9 +31,73 @@ constexpr int reset_tries = 5, line_tries = 6;
 constexpr double same_acceleration = 0.05;
 constexpr double angle_step_deg = 0.002;  // nearer than that is there
 
-}  // namespace
+/// Drives a stepper behind GRBL 1.1 by short jogs, of which as few wait as keep it turning: GRBL has no
+/// watchdog, so the jogs that it has are all that it turns when the host dies.
+class GrblDriver final : public ServoDriver {
+ public:
+  explicit GrblDriver(const ServoProfile& servo);
 
-GrblDriver::GrblDriver(const ServoProfile& servo) : servo_(servo) {}
+  void greet() override;
+  void arm(double angle_deg) override;
+  void disarm() override;
+  void halt() override;
+  void run(const wire::RunCommand& command) override;
+  void go_to(const wire::GoToCommand& command) override;
+  void stop() override;
+  void clear() override;
+  std::vector<std::uint8_t> poll(HostTime now) override;
+  void answer(const wire::ServoMessage& message, HostTime arrived) override;
+  void telemetry(const TimedServo& servo) override;
+
+  bool idle() const override;
+
+ private:
+  /// Where the shaft is to go, piece by piece.
+  struct Course {
+    double rate_dps = 0.0;  // not negative
+    double direction = 1.0;
+    double target_deg = 0.0;  // where it ends
+    std::uint16_t leg = 0;
+    bool turns_back = false;
+    HostTime ends{};  // of a leg
+    bool is_leg = false;
+  };
+  /// What is asked of the board before the rig is ready, in this order.
+  enum class Setup : std::uint8_t { reset, settings, unlock, position, done };
+
+  std::vector<std::uint8_t> set_up(HostTime now);
+  std::vector<std::uint8_t> drive(HostTime now);
+  std::vector<std::uint8_t> next_piece(HostTime now);
+  void begin(const Course& course);
+  void end_leg_in_time(HostTime now);
+  void turn_back();
+  double estimated_deg(HostTime now) const;
+  double limit_deg() const;
+  void take_line(const std::string& line, std::uint8_t error, HostTime arrived);
+  void take_setting(const std::string& line);
+  void check_settings() const;
+
+  Setup setup_ = Setup::reset;
+  std::optional<wire::ServoWelcome> greeting_;  // welcome_, before all else is known
+  double max_rate_dps_ = 0.0, acceleration_dps2_ = 0.0;
+  bool is_locked_ = false;
+  int tries_ = 0;
+  std::optional<HostTime> last_asked_;  // of what set_up() asked last
+  bool awaits_ok_ = false;
+  HostTime last_line_{};
+
+  std::optional<TimedServo> servo_now_;
+  std::optional<Course> course_, next_;  // `next_` waits for rest
+  double queued_deg_ = 0.0;              // where the jogs end that were sent
+  bool cancel_due_ = false, cancelling_ = false;
+  std::optional<bool> power_due_;   // armed or not, which is noted at rest
+  std::optional<bool> power_sent_;  // of them, until it is acknowledged
+  HostTime cancelled_{};
+  HostTime last_status_{};
+  bool was_set_up_ = false;  // its position counts from then on
+};
+
+GrblDriver::GrblDriver(const ServoProfile& servo) : ServoDriver(servo) {}
 
 double GrblDriver::limit_deg() const {
   return angle_limit_deg(servo_).value_or(std::numeric_limits<double>::infinity());
@@ -286,6 +353,12 @@ void GrblDriver::check_settings() const {
               fmt::format("$120={:.0f} on the board, or acceleration_dps2 = {:.0f} in [servo] of the "
                           "rig profile",
                           wanted_dps2, acceleration_dps2_));
+}
+
+}  // namespace
+
+std::unique_ptr<ServoDriver> make_grbl_driver(const ServoProfile& servo) {
+  return std::make_unique<GrblDriver>(servo);
 }
 
 }  // namespace thermorig::rig

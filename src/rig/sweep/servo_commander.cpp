@@ -54,7 +54,7 @@ bool has_forgotten_us(std::uint8_t reason) {
 }  // namespace
 
 ServoCommander::ServoCommander(const ServoProfile& servo, const CommanderTimes& times)
-    : servo_(servo), times_(times) {}
+    : ServoDriver(servo), times_(times) {}
 
 void ServoCommander::push(std::uint8_t type, std::function<std::vector<std::uint8_t>(std::uint8_t)> bytes) {
   queue_.push_back({.type = type, .bytes = std::move(bytes)});
@@ -62,11 +62,7 @@ void ServoCommander::push(std::uint8_t type, std::function<std::vector<std::uint
 
 void ServoCommander::greet() {
   queue_.clear();  // hello starts the numbers anew, so nothing needs to be waited for
-  refusal_.reset();
-  was_reset_ = false;
-  gave_up_ = false;
-  armed_ = false;
-  welcome_.reset();
+  forget();
   configure_tries_ = 0;
   push(SERVO_HELLO, wire::asking_hello_bytes);
   disarm();  // an earlier recorder that was killed leaves it armed

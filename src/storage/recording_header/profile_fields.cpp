@@ -215,7 +215,7 @@ void add_servo(Fields& fields) {
   table.text("model", &Servo::model, "free text");
   const Words protocols = sensors::servo_protocol_names();
   table.text("protocol", &Servo::protocol, any_of(protocols), protocols);
-  table.number("bus_id", &Servo::bus_id, "1", 0, 251, "of a servo on a bus (dynamixel): its ID");
+  table.number("bus_id", &Servo::bus_id, "1", 0, 251, "of a servo on a bus (dynamixel, sts3215): its ID");
   table.choice("kind", &Servo::kind, {"positional", "continuous", "none"},
                "positional, continuous or none: nobody commands what turns the rig");
   table.number("travel_deg", &Servo::travel_deg, "deg", 0, span_max,

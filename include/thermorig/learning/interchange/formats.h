@@ -40,8 +40,8 @@ struct WindowShape {
 void write_rows_npz(const session::Session& session, Sink& sink);
 
 /// The windows that a training sees: `images` (W, Nf, H, W') in degrees Celsius, `label_dps`,
-/// `corrected_dps`, `shaft_dps`, `gyro_dps`, `last`, `middle_s`. `acquisition` is made of `session`. Returns
-/// how many. Throws as the sink does.
+/// `corrected_dps`, `shaft_dps`, `gyro_dps`, `last`, `middle_s`; `measured_dps` where something measured the
+/// shaft. `acquisition` is made of `session`. Returns how many. Throws as the sink does.
 std::size_t write_windows_npz(const session::Session& session, const network::Acquisition& acquisition,
                               WindowShape shape, Sink& sink);
 
@@ -53,12 +53,13 @@ struct AngleAt {
 
 /// What one thing did over a recording.
 struct Trajectory {
-  std::string name;             // "shaft", or of the table of estimators
-  std::vector<AngleAt> angles;  // at the end of each frame's exposure where it is known
+  std::string name;  // "shaft", "measured", or of the table of estimators
+  // At the end of each frame's exposure where it is known; measured: of each reading.
+  std::vector<AngleAt> angles;
 };
 
-/// The shaft by the servo's model, then each estimator: those of a live run as it showed them, else all that
-/// need no network. Each counts from an origin of its own.
+/// The shaft by the servo's model, as a sensor on it measured it if there is one, then each estimator: those
+/// of a live run as it showed them, else all that need no network. Each counts from an origin of its own.
 std::vector<Trajectory> trajectories_of(const session::Session& session);
 
 /// A line each: "t x y z qx qy qz qw", t in seconds of Unix time, no translation, turned about z. Throws as
@@ -69,7 +70,7 @@ void write_tum(const RecordingHeader& header, const Trajectory& trajectory, Sink
 enum class McapCompression { none, zstd };
 
 /// The session as MCAP (https://mcap.dev/spec), messages in JSON, in order of time: /camera, /gyro, /servo,
-/// /label, /events. Chunked and indexed. Throws as the sink does.
+/// /label, /events, and /shaft where something measured it. Chunked and indexed. Throws as the sink does.
 void write_mcap(const session::Session& session, Sink& sink,
                 McapCompression compression = McapCompression::none);
 

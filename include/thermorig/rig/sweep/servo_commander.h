@@ -51,13 +51,6 @@ class ServoCommander final : public ServoDriver {
   std::optional<HostDuration> pong(const TimedPong& pong) override;
 
   bool idle() const override { return queue_.empty(); }
-  bool armed() const override { return armed_; }
-  bool gave_up() const override { return gave_up_; }
-  bool was_reset() const override { return was_reset_; }
-  std::optional<std::uint8_t> refusal() const override { return refusal_; }
-  HostTime last_ack() const override { return last_ack_; }
-  const std::optional<wire::ServoWelcome>& welcome() const override { return welcome_; }
-  std::uint64_t retries() const override { return retries_; }
   std::uint64_t pings() const override { return ping_token_; }
 
  private:
@@ -85,24 +78,16 @@ class ServoCommander final : public ServoDriver {
   [[noreturn]] void give_up(const Command& command);
   [[noreturn]] void wrong_version(unsigned firmware) const;
 
-  ServoProfile servo_;
   CommanderTimes times_;
   std::deque<Command> queue_;
   std::uint8_t next_sequence_ = 0;
-  std::optional<wire::ServoWelcome> welcome_;
-  bool armed_ = false;
   bool stopping_ = false;
   bool stop_byte_due_ = false;
-  bool was_reset_ = false;
-  bool gave_up_ = false;
-  std::optional<std::uint8_t> refusal_;
-  HostTime last_ack_{};
   HostTime last_bytes_{};
   HostTime next_ping_{};
   std::uint32_t ping_token_ = 0;
   std::deque<SentPing> pings_;
   bool latency_timer_ = false;
-  std::uint64_t retries_ = 0;
   int configure_tries_ = 0;
 };
 

@@ -50,21 +50,35 @@ class ServoDriver {
   virtual std::optional<HostDuration> pong(const TimedPong&) { return std::nullopt; }
 
   virtual bool idle() const = 0;  // everything was acknowledged
-  virtual bool armed() const = 0;
-  virtual bool gave_up() const = 0;                         // a command was never answered
-  virtual bool was_reset() const = 0;                       // it must be greeted again
-  virtual std::optional<std::uint8_t> refusal() const = 0;  // enum servo_reason: fault or not armed
-  virtual HostTime last_ack() const = 0;
-  virtual const std::optional<wire::ServoWelcome>& welcome() const = 0;
-  virtual std::uint64_t retries() const = 0;
+  bool armed() const { return armed_; }
+  bool gave_up() const { return gave_up_; }                         // a command was never answered
+  bool was_reset() const { return was_reset_; }                     // it must be greeted again
+  std::optional<std::uint8_t> refusal() const { return refusal_; }  // enum servo_reason: fault or not armed
+  HostTime last_ack() const { return last_ack_; }
+  const std::optional<wire::ServoWelcome>& welcome() const { return welcome_; }
+  std::uint64_t retries() const { return retries_; }
   virtual std::uint64_t pings() const { return 0; }  // sent, whose answers pong() takes
 
-  bool greeted() const { return welcome().has_value(); }
+  bool greeted() const { return welcome_.has_value(); }
 
  protected:
-  ServoDriver() = default;
+  explicit ServoDriver(const ServoProfile& servo) : servo_(servo) {}
   ServoDriver(const ServoDriver&) = default;
   ServoDriver& operator=(const ServoDriver&) = default;
+
+  /// What was known of it is no longer: it is greeted.
+  void forget() {
+    refusal_.reset();
+    welcome_.reset();
+    was_reset_ = gave_up_ = armed_ = false;
+  }
+
+  ServoProfile servo_;
+  std::optional<wire::ServoWelcome> welcome_;
+  std::optional<std::uint8_t> refusal_;
+  bool armed_ = false, was_reset_ = false, gave_up_ = false;
+  HostTime last_ack_{};
+  std::uint64_t retries_ = 0;
 };
 
 /// The driver of the profile's protocol.
