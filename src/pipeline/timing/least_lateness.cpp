@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "thermorig/core/statistics.h"
 
@@ -20,6 +21,10 @@ constexpr std::size_t fewest_cuts = 20;
 constexpr double spread_share = 0.75;
 constexpr double even_spread_s = 0.65e-3;
 
+/// A link on which bytes wait holds nine of ten chunks for longer.
+constexpr double short_hold_s = 1.5 * usb_frame_s;
+constexpr double short_hold_share = 0.1;
+
 /// Inequalities of one block between knots.
 struct BlockLateness {
   double least_s = std::numeric_limits<double>::infinity();
@@ -28,13 +33,12 @@ struct BlockLateness {
 
 class Lateness {
  public:
-  Lateness(std::span<const LatestBegin> latest, std::span<const double> x, std::span<const double> late_s,
-           double step_s, std::span<const SlidingFit::Knot> knots, const SlidingWindow& window)
-      : latest_(latest), x_(x), late_s_(late_s), step_s_(step_s), knots_(knots), window_(window) {
-    const auto cuts = static_cast<std::size_t>(std::count_if(
-        latest.begin(), latest.end(), [](const LatestBegin& l) { return l.inside && l.wire_s > 0.0; }));
-    by_cuts_ = cuts >= fewest_cuts && 50 * cuts >= latest.size();
-    silence_s_ = by_cuts_ ? 0.0 : silence(cuts);
+  Lateness(const Reads& reads, double step_s, std::span<const SlidingFit::Knot> knots,
+           const SlidingWindow& window)
+      : reads_(reads), step_s_(step_s), knots_(knots), window_(window) {
+    for (const MessageReads& message : reads.messages) cuts_ += message.cuts;
+    by_cuts_ = cuts_ >= fewest_cuts && 50 * cuts_ >= reads.latest.size();
+    silence_s_ = by_cuts_ ? 0.0 : silence();
   }
 
   LeastLateness run(std::size_t first_knot) {
@@ -50,68 +54,78 @@ class Lateness {
   }
 
  private:
-  bool takes_part(std::size_t i) const { return !by_cuts_ || latest_[i].inside; }
-
-  double silence(std::size_t cuts) const {
+  double silence() const {
     std::vector<double> wire_s;
-    for (const LatestBegin& begin : latest_)
+    for (const LatestBegin& begin : reads_.latest)
       if (!begin.inside) wire_s.push_back(begin.wire_s);
     return longest_silence_s({.step_s = step_s_,
                               .message_s = lower_quantile(wire_s, 0.5),
-                              .chunks = latest_.size(),
-                              .cuts = cuts});
+                              .chunks = reads_.latest.size(),
+                              .cuts = cuts_});
   }
 
-  std::size_t block_of(std::size_t i, std::size_t block) const {
-    while (block + 1 < knots_.size() && knots_[block + 1].x - x_[i] < x_[i] - knots_[block].x) ++block;
+  std::size_t block_of(double x, std::size_t block) const {
+    while (block + 1 < knots_.size() && knots_[block + 1].x - x < x - knots_[block].x) ++block;
     return block;
   }
 
-  /// Least lateness of each block, and of each message; spread of the waits within a message, or within a
-  /// block where a message is not cut more than once.
+  bool takes_part(const MessageReads& message) const { return !by_cuts_ || message.cuts > 0; }
+
+  /// Applies `use` to each message, its block and the place of its first read.
+  template <typename Use>
+  void for_each_message(Use use) const {
+    std::size_t block = 0;
+    std::size_t first = 0;
+    for (const MessageReads& message : reads_.messages) {
+      block = block_of(reads_.latest[first].device_s - reads_.x0, block);
+      use(message, block, first);
+      first += message.count;
+    }
+  }
+
+  /// Least lateness of each block, and of each message; spread of the waits within a message.
   void fill_blocks() {
     blocks_.resize(knots_.size());
-    std::vector<double> message_s;
-    std::vector<double> block_s;
-    std::size_t block = 0;
-    message_least_s_.reserve(x_.size());
-    for (std::size_t i = 0; i < x_.size(); ++i) {
-      if (const std::size_t now = block_of(i, block); now != block) {
-        end_block(block_s, block);
-        block = now;
-      }
-      if (i == 0 || x_[i] != x_[i - 1]) end_message(message_s, block);
-      if (!takes_part(i)) continue;
-      message_s.push_back(late_s_[i]);
-      block_s.push_back(late_s_[i]);
-      blocks_[block].least_s = std::min(blocks_[block].least_s, late_s_[i]);
-    }
-    end_message(message_s, block);
-    end_block(block_s, block);
+    message_least_s_.reserve(reads_.messages.size());
+    std::size_t ended = 0;  // messages: they count where the next one begins
+    std::size_t last = 0;
+    for_each_message([&](const MessageReads& message, std::size_t block, std::size_t first) {
+      blocks_[last = block].messages += std::exchange(ended, 0);
+      if (!takes_part(message)) return;
+      const double least_s = reads_.late_s(first + (by_cuts_ ? message.least_cut : message.least));
+      message_least_s_.push_back(least_s);
+      blocks_[block].least_s = std::min(blocks_[block].least_s, least_s);
+      ended = 1;
+      if (by_cuts_ && message.cuts >= 2)
+        message_spreads_s_.push_back(reads_.late_s(first + message.upper_cut) - least_s);
+    });
+    blocks_[last].messages += ended;
   }
 
-  void end_message(std::vector<double>& waits_s, std::size_t block) {
-    if (waits_s.empty()) return;
-    ++blocks_[block].messages;
-    const double least_s = *std::min_element(waits_s.begin(), waits_s.end());
-    message_least_s_.push_back(least_s);
-    if (by_cuts_) add_spread(waits_s, least_s, message_spreads_s_);
-    waits_s.clear();
-  }
-
-  void end_block(std::vector<double>& waits_s, std::size_t block) {
-    add_spread(waits_s, blocks_[block].least_s, block_spreads_s_);
-    waits_s.clear();
-  }
-
-  static void add_spread(std::vector<double>& waits_s, double least_s, std::vector<double>& spreads_s) {
-    if (waits_s.size() >= 2) spreads_s.push_back(upper_quantile(waits_s, spread_share) - least_s);
+  /// Spread of the waits within a block: where a message is not cut more than once.
+  std::vector<double> block_spreads_s() const {
+    std::vector<double> spreads_s;
+    std::vector<double> waits_s;
+    std::size_t open = 0;
+    const auto end_block = [&] {
+      if (waits_s.size() >= 2)
+        spreads_s.push_back(upper_quantile(waits_s, spread_share) - blocks_[open].least_s);
+      waits_s.clear();
+    };
+    for_each_message([&](const MessageReads& message, std::size_t block, std::size_t first) {
+      if (block != open) end_block();
+      open = block;
+      for (std::size_t i = first; i < first + message.count; ++i)
+        if (!by_cuts_ || reads_.latest[i].inside) waits_s.push_back(reads_.late_s(i));
+    });
+    end_block();
+    return spreads_s;
   }
 
   /// How much of a USB frame the waits cover, 0 to 1.
   double covered_share() {
     const bool by_message = by_cuts_ && 2 * message_spreads_s_.size() > message_least_s_.size();
-    std::vector<double>& spreads_s = by_message ? message_spreads_s_ : block_spreads_s_;
+    std::vector<double> spreads_s = by_message ? std::move(message_spreads_s_) : block_spreads_s();
     if (spreads_s.empty()) return 1.0;
     return std::clamp((lower_quantile(spreads_s, 0.5) - wake_up_s) / even_spread_s, 0.0, 1.0);
   }
@@ -140,10 +154,9 @@ class Lateness {
   /// A link that cuts every millisecond may be one on which no byte waits.
   double wait_share() const {
     if (!by_cuts_) return 1.0;
-    std::vector<double> held_s;
-    for (const LatestBegin& begin : latest_)
-      if (begin.inside) held_s.push_back(begin.held_s);
-    return lower_quantile(held_s, 0.1) > 1.5 * usb_frame_s ? 1.0 : 0.5;
+    std::size_t short_holds = 0;
+    for (const MessageReads& message : reads_.messages) short_holds += message.short_holds;
+    return static_cast<double>(short_holds) > short_hold_share * static_cast<double>(cuts_ - 1) ? 0.5 : 1.0;
   }
 
   Estimate at(std::size_t knot, double covered) {
@@ -170,12 +183,11 @@ class Lateness {
 
   static constexpr std::size_t near = 3;  // knots on either side over which a rise is averaged
 
-  std::span<const LatestBegin> latest_;
-  std::span<const double> x_;
-  std::span<const double> late_s_;
+  const Reads& reads_;
   double step_s_;
   std::span<const SlidingFit::Knot> knots_;
   const SlidingWindow& window_;
+  std::size_t cuts_ = 0;
   bool by_cuts_ = false;  // only chunks that cut a message are looked at
   double silence_s_ = 0.0;
   double typical_least_s_ = 0.0;  // of a message: median
@@ -184,15 +196,32 @@ class Lateness {
   std::vector<BlockLateness> blocks_;
   std::vector<double> message_least_s_;
   std::vector<double> message_spreads_s_;
-  std::vector<double> block_spreads_s_;
 };
 }  // namespace
 
-LeastLateness least_lateness(std::span<const LatestBegin> latest, std::span<const double> x,
-                             std::span<const double> late_s, double step_s,
-                             std::span<const SlidingFit::Knot> knots, const SlidingWindow& window,
-                             std::size_t first_knot) {
-  return Lateness(latest, x, late_s, step_s, knots, window).run(first_knot);
+MessageReads message_reads(std::span<const LatestBegin> reads) {
+  MessageReads message{.count = static_cast<std::uint32_t>(reads.size())};
+  std::vector<std::uint32_t> cuts;
+  for (std::uint32_t i = 0; i < message.count; ++i) {
+    if (reads[i].latest < reads[message.least].latest) message.least = i;
+    if (!reads[i].inside) continue;
+    cuts.push_back(i);
+    if (reads[i].held_s <= short_hold_s) ++message.short_holds;
+  }
+  message.cuts = static_cast<std::uint32_t>(cuts.size());
+  if (cuts.empty()) return message;
+  const auto earlier = [&](std::uint32_t a, std::uint32_t b) { return reads[a].latest < reads[b].latest; };
+  message.least_cut = *std::min_element(cuts.begin(), cuts.end(), earlier);
+  const auto upper = cuts.begin() + static_cast<std::ptrdiff_t>(
+                                        std::ceil(spread_share * static_cast<double>(cuts.size() - 1)));
+  std::nth_element(cuts.begin(), upper, cuts.end(), earlier);
+  message.upper_cut = *upper;
+  return message;
+}
+
+LeastLateness least_lateness(const Reads& reads, double step_s, std::span<const SlidingFit::Knot> knots,
+                             const SlidingWindow& window, std::size_t first_knot) {
+  return Lateness(reads, step_s, knots, window).run(first_knot);
 }
 
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -21,8 +22,15 @@ struct LeastLateness {
   double longest_hold_s = 0.0;       // beside the largest constant delay: a link that waits for silence
 };
 
-/// `x` (device seconds) and `late_s` (above the curve) of each of `latest`; `step_s`: between messages.
-/// Knots before `first_knot` get nothing.
+/// What was read, and how late above a curve.
+struct Reads {
+  std::span<const LatestBegin> latest;
+  std::span<const MessageReads> messages;  // that share all of `latest`, in order
+  double x0 = 0.0;                         // on the device's clock: x = 0 of the curve
+  std::function<double(std::size_t)> late_s;
+};
+
+/// `step_s`: between messages. Knots before `first_knot` get nothing.
 ///
 /// Three parts, each from the data:
 ///
@@ -38,10 +46,8 @@ struct LeastLateness {
 ///
 /// 3. Silence. A link that sends when its line falls silent (`longest_silence_s`): half of the longest
 /// silence.
-LeastLateness least_lateness(std::span<const LatestBegin> latest, std::span<const double> x,
-                             std::span<const double> late_s, double step_s,
-                             std::span<const SlidingFit::Knot> knots, const SlidingWindow& window,
-                             std::size_t first_knot = 0);
+LeastLateness least_lateness(const Reads& reads, double step_s, std::span<const SlidingFit::Knot> knots,
+                             const SlidingWindow& window, std::size_t first_knot = 0);
 
 /// Standard deviation of a uniform spread of width 1.
 inline constexpr double uniform_deviation = 0.5 / std::numbers::sqrt3;

@@ -102,6 +102,8 @@ void LiveClock::restart(double x, double y) {
   points_.clear();
   blocks_.clear();
   reads_.clear();
+  messages_.clear();
+  old_reads_ = old_messages_ = 0;
   open_begin_ = 0;
   first_x_ = open_x_ = x;
   fitted_ = rate_known_;
@@ -207,6 +209,17 @@ void LiveClock::add_reads(std::span<const LatestBegin> reads, double x) {
     sent_s_ = x + read.wire_s;
     reads_.push_back(read);
   }
+  messages_.push_back(message_reads(std::span<const LatestBegin>(reads_).last(reads.size())));
+}
+
+/// They are moved once half of them are old.
+void LiveClock::forget_reads(double before_x) {
+  for (; old_messages_ < messages_.size() && reads_[old_reads_].device_s < before_x; ++old_messages_)
+    old_reads_ += messages_[old_messages_].count;
+  if (2 * old_reads_ < reads_.size()) return;
+  messages_.erase(messages_.begin(), messages_.begin() + static_cast<std::ptrdiff_t>(old_messages_));
+  reads_.erase(reads_.begin(), reads_.begin() + static_cast<std::ptrdiff_t>(old_reads_));
+  old_messages_ = old_reads_ = 0;
 }
 
 void LiveClock::close_block(double x) {
@@ -218,7 +231,7 @@ void LiveClock::close_block(double x) {
     old_points += blocks_[old].points;
   points_.erase(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(old_points));
   blocks_.erase(blocks_.begin(), blocks_.begin() + static_cast<std::ptrdiff_t>(old));
-  std::erase_if(reads_, [&](const LatestBegin& read) { return read.device_s < x - window_s_; });
+  forget_reads(x - window_s_);
   open_begin_ = points_.size();
   open_x_ = x;
   unrest_ *= forget_unrest;
@@ -254,16 +267,14 @@ void LiveClock::fit(double x) {
 /// As the fit of a whole recording does, from the last seconds alone.
 void LiveClock::expect_lateness() {
   if (blocks_.empty() || !std::isfinite(level_) || !std::isfinite(slope_)) return;
-  std::vector<double> x, late;
-  x.reserve(reads_.size());
-  late.reserve(reads_.size());
-  for (const LatestBegin& read : reads_) {
-    x.push_back(read.device_s);
-    late.push_back(late_s(read.device_s, to_s(read.latest - *origin_)));
-  }
   std::vector<SlidingFit::Knot> knots;
   for (const Block& block : blocks_) knots.push_back({block.begin_x + 0.5 * block_s_, {}, rise_});
-  const LeastLateness least = least_lateness(reads_, x, late, 1.0 / rate_hz_, knots,
+  const auto reads = std::span<const LatestBegin>(reads_).subspan(old_reads_);
+  const auto messages = std::span<const MessageReads>(messages_).subspan(old_messages_);
+  const auto late = [&](std::size_t i) {
+    return late_s(reads[i].device_s, to_s(reads[i].latest - *origin_));
+  };
+  const LeastLateness least = least_lateness({reads, messages, 0.0, late}, 1.0 / rate_hz_, knots,
                                              {.length_s = window_s_, .block_s = block_s_}, knots.size() - 1);
   const Estimate& now_s = least.at_knots_s.back();
   longest_silence_s_ = least.longest_hold_s;

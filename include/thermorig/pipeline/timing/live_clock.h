@@ -79,6 +79,7 @@ class LiveClock {
   void look_for_straying(double late_s, double x);
   void add(double x, double y);
   void add_reads(std::span<const LatestBegin> reads, double x);
+  void forget_reads(double before_x);
   void close_block(double x);
   void fit(double x);
   void expect_lateness();
@@ -97,8 +98,11 @@ class LiveClock {
   double last_y_ = 0.0;  // of the message before
   std::vector<Ceiling> points_;
   std::vector<Block> blocks_;
-  std::vector<LatestBegin> reads_;  // of the same time
-  double sent_s_ = 0.0;             // on the device's clock: the newest read's last byte
+  std::vector<LatestBegin> reads_;      // of the same time
+  std::vector<MessageReads> messages_;  // they share the reads
+  std::size_t old_reads_ = 0;           // the first ones are older than the window
+  std::size_t old_messages_ = 0;
+  double sent_s_ = 0.0;  // on the device's clock: the newest read's last byte
   Estimate least_lateness_s_;
   double longest_silence_s_ = 0.0;
   std::size_t open_begin_ = 0;  // first point of the open block
