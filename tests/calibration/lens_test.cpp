@@ -63,7 +63,7 @@ TEST(CalibrateLens, RefusesABareWallAndARigThatRests) {
   const session::Session session = swept(config).session;
   EXPECT_THAT(refusal([&] { measure_lens(session); }), HasSubstr("do not tell the lens"));
   const Recorded resting = record(config, plan_for(CalibrationKind::bias, config));
-  EXPECT_THAT(refusal([&] { measure_lens(resting.session); }), HasSubstr("chess halves"));
+  EXPECT_THAT(refusal([&] { measure_lens(resting.session); }), HasSubstr("half-frames"));
 }
 
 TEST(CalibrateLens, KeepsTheGyrosFilterWhichNoImageTells) {

@@ -158,7 +158,7 @@ std::vector<Misconfiguration> wrong_machines() {
            host.write("/proc/self/status", "Uid:\t0\t0\t0\t0\nGid:\t0\t0\t0\t0\nGroups:\t0 \n");
          });
        },
-       "user", "this is root", "a user of the group dialout", std::nullopt},
+       "user", "you are root", "a user of the group dialout", std::nullopt},
   };
 }
 

@@ -289,7 +289,7 @@ TEST(Preflight, WarnsOfAMissingFrameAndRefusesACameraThatSurelyLosesTooMany) {
   const PreflightReport one = judge(facts, simulation::default_profile());
   EXPECT_TRUE(one.passed());
   ASSERT_THAT(names_of(one.warnings), ::testing::ElementsAre("camera_lost"));
-  EXPECT_THAT(sentence(one.warnings.front()), HasSubstr("usable, not good"));
+  EXPECT_THAT(sentence(one.warnings.front()), HasSubstr("the verdict will be usable"));
   facts.streams[Device::camera]->messages = 16;
   facts.streams[Device::camera]->rate_hz = 5.3;  // no other rate than 8, of which a third is missing
   facts.streams[Device::camera]->lost_share = 1.0 / 3.0;

@@ -57,7 +57,7 @@ TEST(LensFit, SaysWhyARigThatHardlyTurnsTellsNothing) {
   narrow.duration_s = 27.0;
   narrow.angle_deg = [](double time_s) { return 0.15 * swept_deg(time_s); };
   EXPECT_THAT(lens_of(swept_in(narrow)).why_not, HasSubstr("turned through"));
-  EXPECT_THAT(lens_of({}).why_not, HasSubstr("chess halves"));
+  EXPECT_THAT(lens_of({}).why_not, HasSubstr("half-frames"));
 }
 
 TEST(LensFit, EndsWithHalvesThatAreNoPicture) {
