@@ -149,7 +149,7 @@ Check check_rates(const std::string& remark) {
 Check check_exposure(const CameraProfile& camera) {
   return {.name = "camera exposure",
           .result = fmt::format("half-frames are merged: their exposure is known to {:.0f} ms",
-                                1e3 * latency_uncertainty_s(camera)),
+                                1e3 * sensors::latency_uncertainty_s(camera)),
           .advice = "thermorig calibrate latency",
           .warning = true};
 }
@@ -314,7 +314,7 @@ std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& 
   if (const std::string remark = sensors::remark_on_rates(rig.profile.gyro); !remark.empty())
     checks.push_back(check_rates(remark));
   const CameraProfile& camera = rig.profile.camera;
-  if (!sensors::camera_protocol(camera.protocol).remark.empty() && camera.link.latency_measured_utc.empty())
+  if (sensors::camera_protocol(camera.protocol).merges_halves && camera.link.latency_measured_utc.empty())
     checks.push_back(check_exposure(camera));
   if (!rig.simulated)
     for (Device device : all_devices)

@@ -5,21 +5,12 @@
 
 namespace thermorig {
 
-namespace {
-/// Sketches read one half-frame, then the other, and send both as one frame when they come to it: all that is
-/// known is that the newer one had its end within the last refresh. Those that sensors/camera_protocol.h has
-/// a remark on, which a test checks: labels know of no protocols.
-bool merges_halves(const CameraProfile& camera) {
-  return camera.protocol == "text" || camera.protocol == "binary";
-}
-}  // namespace
-
-double latency_uncertainty_s(const CameraProfile& camera) {
+double latency_uncertainty_s(const CameraProfile& camera, bool merges_halves) {
   if (!camera.link.latency_measured_utc.empty()) return camera.link.latency_uncertainty_s;
   // Root mean square of what lies evenly between 0 and half of a refresh; a frame is at least one.
   const double rows_s = 0.5 / (std::sqrt(3.0) * camera.output_rate_hz);
   // A merged frame takes two refreshes.
-  const double merged_s = merges_halves(camera) ? 0.5 / (std::sqrt(3.0) * camera.output_rate_hz) : 0.0;
+  const double merged_s = merges_halves ? 0.5 / (std::sqrt(3.0) * camera.output_rate_hz) : 0.0;
   return std::hypot(camera.link.latency_uncertainty_s, rows_s, merged_s);
 }
 

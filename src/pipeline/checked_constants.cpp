@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "checked_constants.h"
+#include "thermorig/sensors/camera_protocol.h"
 
 #include <cmath>
 #include <numbers>
@@ -45,7 +46,7 @@ void apply_filter_delay(const GyroErrors& errors, ClockFit& gyro) {
 void apply_camera_offset(const CameraProfile& profile, const GyroErrors& errors, const ClockReport& gyro,
                          CameraOffset& offset, ClockFit& camera) {
   const bool is_calibrated = !profile.link.latency_measured_utc.empty();
-  const Estimate assumed{0.0, latency_uncertainty_s(profile)};
+  const Estimate assumed{0.0, sensors::latency_uncertainty_s(profile)};
   Estimate left = assumed;
   if (offset.offset_s && !camera.times.empty()) {
     const Estimate& seen = *offset.offset_s;

@@ -202,7 +202,7 @@ std::string mend_bad_pixels(std::vector<TimedFrame>& frames) {
   return text_of(watch.bad());
 }
 
-/// A servo that turns otherwise than it is told may have a setting of its own that says so.
+/// A servo that turns otherwise than commanded may have a setting of its own that says so.
 void name_setting(const sensors::ServoProtocol& protocol, const Streams& streams, Witnesses& witnesses) {
   const bool is_undecided = witnesses.outlier == Witness::undecided;
   const bool may_be_it = witnesses.outlier == Witness::command || is_undecided;

@@ -8,6 +8,7 @@
 #include "gyro_decoder.h"
 #include "measurements.h"
 #include "servo_decoder.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/servo_protocol.h"
 
@@ -61,7 +62,8 @@ PerDevice<std::uint64_t> message_bytes(const RigProfile& profile) {
 }
 
 labels::LabelConfig label_config(const RigProfile& profile, const Fits& fits) {
-  labels::LabelConfig config = labels::label_config(profile, fits.sync);
+  labels::LabelConfig config = labels::label_config(
+      profile, fits.sync, sensors::camera_protocol(profile.camera.protocol).merges_halves);
   config.telemetry_gap_s = sensors::servo_protocol(profile.servo.protocol).longest_gap_s;
   return config;
 }

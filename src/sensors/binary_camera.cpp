@@ -200,7 +200,7 @@ CameraProtocol binary_camera() {
           .message_bytes = longest_frame,
           .scanner = binary_camera_scanner,
           .recognise = recognise_binary_camera,
-          .remark = merged_halves};
+          .merges_halves = true};
 }
 
 }  // namespace thermorig::sensors

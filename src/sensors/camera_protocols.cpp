@@ -36,6 +36,10 @@ const CameraProtocol& camera_protocol(std::string_view name) {
   return required_in(camera_protocols(), name, "camera");
 }
 
+double latency_uncertainty_s(const CameraProfile& camera) {
+  return thermorig::latency_uncertainty_s(camera, camera_protocol(camera.protocol).merges_halves);
+}
+
 CameraScanner camera_scanner(const CameraProfile& profile) {
   return camera_protocol(profile.protocol).scanner(profile);
 }

@@ -23,7 +23,7 @@ constexpr double reached_share = 0.85;  // of the speed it was given: its own is
 constexpr double reached_counts = 3.0;  // and more than that slower does not show in its speed
 constexpr int settled = 6;              // messages with that speed, until its loop has caught up
 // A load that keeps it off its goal has it say for ever that it moves.
-constexpr std::int32_t near_counts = 23, slow_counts_s = 20;  // 2 deg, 2 deg/s
+constexpr std::int32_t near_counts = 45, slow_counts_s = 20;  // 4 deg, 2 deg/s
 constexpr double ramp_margin = 1.2;                           // of the way in which it comes to rest
 constexpr double arrival_s = 0.001;                           // it sends no time
 constexpr std::uint64_t before_present_position =

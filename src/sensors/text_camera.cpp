@@ -305,7 +305,7 @@ CameraProtocol text_camera() {
           .message_bytes = usual_frame_bytes,
           .scanner = text_camera_scanner,
           .recognise = recognise_text_camera,
-          .remark = merged_halves};
+          .merges_halves = true};
 }
 
 }  // namespace thermorig::sensors

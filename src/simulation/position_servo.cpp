@@ -12,6 +12,7 @@ namespace {
 
 constexpr double own_loop_hz = 12.0;  // it feeds the profile's speed forward
 constexpr double brake_time_s = 0.01;
+constexpr double sticks_below_dps = 25.0;
 constexpr double supply_time_s = 2.0;  // in which a weak supply gives way
 
 }  // namespace
@@ -67,7 +68,8 @@ void PositionServo::turn(const Profile& profile, double dt_s) {
   if (load_deg_ > 0.0) error_deg -= load_deg_ * std::sin(shaft_deg() * std::numbers::pi / 180.0);
   const double rad = 2.0 * std::numbers::pi * own_loop_hz;
   const double wanted_dps2 = rad * rad * error_deg + 2.0 * rad * (profile_dps_ - gear_dps_);
-  if (friction_.holds(error_deg))
+  // Faster than that it does not stick, however little its loop asks for.
+  if (std::abs(gear_dps_) < sticks_below_dps && friction_.holds(wanted_dps2 / (rad * rad)))
     gear_dps_ -= gear_dps_ * std::min(1.0, dt_s / brake_time_s);
   else
     gear_dps_ += wanted_dps2 * dt_s;

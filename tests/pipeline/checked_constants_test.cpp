@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/checked_constants.h"
+#include "thermorig/sensors/camera_protocol.h"
 
 #include <gtest/gtest.h>
 
@@ -73,10 +74,10 @@ TEST(CheckedLatency, AnAssumedOneIsWeighedByInverseVarianceAndAsUnsureAsTheGyros
 TEST(CheckedLatency, AnAssumedOneDoesNotKnowWhenInARefreshTheMiddleRowsAreRead) {
   CameraProfile camera = assumed_camera(0.010);
   camera.output_rate_hz = 8.0;
-  const double stated_s = latency_uncertainty_s(camera);
+  const double stated_s = sensors::latency_uncertainty_s(camera);
   EXPECT_GT(3.0 * stated_s, 0.0625 + 0.030);  // half of a refresh, and three deviations of the bridge's own
   camera.link.latency_measured_utc = "2026-11-23T12:00:00Z";
-  EXPECT_EQ(latency_uncertainty_s(camera), 0.010);
+  EXPECT_EQ(sensors::latency_uncertainty_s(camera), 0.010);
 }
 
 TEST(CheckedLatency, WithoutImagesThatTellAnAssumedOneStaysAsUnsureAsItIs) {

@@ -73,7 +73,7 @@ TEST_F(Detection, OfASilentPortSaysThatItWasSilent) {
   const auto findings = identify({ports_.add([] { return std::vector<std::uint8_t>(); })});
   EXPECT_FALSE(findings.at(0).role);
   EXPECT_EQ(findings[0].problem, "");
-  EXPECT_EQ(findings[0].how, "silent at 6 baud rates");
+  EXPECT_EQ(findings[0].how, "silent at 7 baud rates");
 }
 
 TEST_F(Detection, FindsARoleTwiceAndTakesNeither) {

@@ -57,8 +57,10 @@ struct CameraProfile {
 /// How far the camera's latency may be off, in s (root mean square): the profile's standard deviation, where
 /// it was measured. Where it is an assumption, nothing says either when within a refresh the middle rows are
 /// read, from the middle of it to its end (the MLX90640's data sheet does not say whether rows are exposed
-/// together or one after the other).
-double latency_uncertainty_s(const CameraProfile& camera);
+/// together or one after the other). A sketch that `merges_halves` reads one half-frame, then the other, and
+/// sends both as one frame when it comes to it: all that is known is that the newer one had its end within
+/// the last refresh. Whether it does, its protocol says: sensors::latency_uncertainty_s().
+double latency_uncertainty_s(const CameraProfile& camera, bool merges_halves);
 
 /// Columns of a text gyro. A line is split on commas, semicolons, tabs and spaces.
 struct TextColumns {

@@ -25,7 +25,7 @@ using CameraScanner = Scanner<wire::CameraMessage>;
 /// number that does is no temperature.
 inline constexpr float coldest_pixel_c = -100.0F, hottest_pixel_c = 500.0F;
 
-/// A remark of CameraProtocol.
+/// Of a protocol that merges_halves, in words.
 inline constexpr std::string_view merged_halves =
     "its sketch merges both half-frames, and when each was exposed is unknown by a refresh";
 
@@ -51,8 +51,9 @@ struct CameraProtocol {
   /// One that sends each frame only when it is asked: what asks for one more, told with each that came. None:
   /// it sends a stream.
   std::vector<std::uint8_t> (*next)(const CameraProfile& profile) = nullptr;
-  /// Why it is not known when a frame was exposed; empty: it is. latency_uncertainty_s() allows for it.
-  std::string_view remark = {};
+  /// A frame is two half-frames that a sketch has read one after the other: when each was exposed is not
+  /// known to a refresh, which latency_uncertainty_s() allows for.
+  bool merges_halves = false;
 };
 
 /// The table. The first one is what a profile has that names none.
@@ -62,6 +63,10 @@ std::vector<std::string> camera_protocol_names();
 
 /// Throws Error(bad_usage) if there is none of that name: it lists those there are.
 const CameraProtocol& camera_protocol(std::string_view name);
+
+/// How far the camera's latency may be off, by its protocol: see thermorig::latency_uncertainty_s(). Throws
+/// as camera_protocol() does.
+double latency_uncertainty_s(const CameraProfile& camera);
 
 /// A scanner of the protocol that the profile names. Throws as camera_protocol() does.
 CameraScanner camera_scanner(const CameraProfile& profile);

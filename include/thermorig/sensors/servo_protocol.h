@@ -46,8 +46,8 @@ struct ServoProtocol {
   std::vector<std::uint8_t> (*greeting)();  // it answers this, whatever it was doing, and moves nothing
   std::vector<std::uint8_t> (*emergency_bytes)();  // stop it, whatever it was doing
 
-  /// Its angles are steps that it has put out: over seconds they show how fast its clock goes, by which it
-  /// also makes the speeds that it states.
+  /// Its angles are steps that it has put out: over seconds they show how fast its clock goes, which also
+  /// makes the speeds that it states.
   bool counts_steps = false;
   /// Where the shaft turned by `share` of what was commanded, and a setting of the servo may be the cause. By
   /// what it has answered. None: no setting is known.

@@ -8,7 +8,7 @@ namespace thermorig::labels {
 
 namespace {
 constexpr std::int64_t ramp_gap_us = 50'000;
-constexpr std::int64_t steady_gap_us = 250'000;  // a GRBL board reports ten times a second
+constexpr std::int64_t steady_gap_us = 250'000;                  // a GRBL board reports ten times a second
 constexpr HostDuration longest_stall = std::chrono::seconds(1);  // by the host's clock, which may have jumped
 constexpr double one_ramp_s = 0.1;                               // changes closer than this belong together
 

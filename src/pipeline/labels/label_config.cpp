@@ -8,11 +8,12 @@ namespace thermorig::labels {
 namespace {
 /// Of the constant between the camera's clock and the one that the servo model hangs on: a fitted response
 /// hangs on the gyro's, against which the camera's latency is measured; an assumed one on the servo's.
-double time_uncertainty_s(const RigProfile& profile, const std::optional<SyncReport>& sync) {
+double time_uncertainty_s(const RigProfile& profile, const std::optional<SyncReport>& sync,
+                          bool merges_halves) {
   const bool by_gyro = sync && (sync->servo.fitted || !profile.servo.is_there());
   const bool shifted = sync && sync->camera_offset.applied && sync->camera_offset.offset_s;
   if (by_gyro && shifted) return sync->camera_offset.offset_s->uncertainty;
-  const double of_profile_s = latency_uncertainty_s(profile.camera);
+  const double of_profile_s = latency_uncertainty_s(profile.camera, merges_halves);
   if (by_gyro && !profile.camera.link.latency_measured_utc.empty()) return of_profile_s;
   const double camera_s = shifted ? sync->clock[Device::camera].latency_uncertainty_s : of_profile_s;
   const double other_s =
@@ -21,7 +22,8 @@ double time_uncertainty_s(const RigProfile& profile, const std::optional<SyncRep
 }
 }  // namespace
 
-LabelConfig label_config(const RigProfile& profile, const std::optional<SyncReport>& sync) {
+LabelConfig label_config(const RigProfile& profile, const std::optional<SyncReport>& sync,
+                         bool merges_halves) {
   LabelConfig config;
   config.settle_s = profile.servo.settle_s;
   config.gyro_rate_hz = profile.gyro.output_rate_hz;
@@ -30,7 +32,7 @@ LabelConfig label_config(const RigProfile& profile, const std::optional<SyncRepo
   config.by_gyro = !profile.servo.is_there();
   config.servo = profile.servo;
   config.gyro_profile = profile.gyro;
-  config.latency_uncertainty_s = time_uncertainty_s(profile, sync);
+  config.latency_uncertainty_s = time_uncertainty_s(profile, sync, merges_halves);
   // Live nothing has judged the sensor yet: the gyro judges each frame by itself.
   config.by_sensor = sync ? sync->shaft.used : !profile.encoder.measured_utc.empty();
   config.sensor_error_deg = sync ? sync->shaft.error_deg : profile.encoder.error_deg;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "thermorig/pipeline/labels/gyro_filter.h"
+#include "thermorig/sensors/camera_protocol.h"
 
 namespace thermorig::calibration {
 
@@ -182,7 +183,7 @@ CheckedConstant camera_latency_of(const session::Session& session) {
   const CameraOffset& offset = session.sync.camera_offset;
   CheckedConstant constant{.name = "camera latency",
                            .unit = "s",
-                           .profile = Estimate{link.latency_s, latency_uncertainty_s(camera)}};
+                           .profile = Estimate{link.latency_s, sensors::latency_uncertainty_s(camera)}};
   if (!offset.offset_s)
     return not_checked(std::move(constant), "not measured: " + offset.why_not,
                        "point the camera at something with warm and cold edges");

@@ -125,8 +125,8 @@ void say_remarks(const PortFinding& gyro, const RigProfile& profile, SetupWorld&
   else if (gyro.text_format)
     for (const std::string& sentence : gyro.text_format->remarks)
       world.say(fmt::format("gyro: {}\n", printable(sentence)));
-  if (const auto remark = sensors::camera_protocol(profile.camera.protocol).remark; !remark.empty())
-    world.say(fmt::format("camera: {}\n", remark));
+  if (sensors::camera_protocol(profile.camera.protocol).merges_halves)
+    world.say(fmt::format("camera: {}\n", sensors::merged_halves));
 }
 
 // ---- measurements -----------------------------------------------------------------------------------------

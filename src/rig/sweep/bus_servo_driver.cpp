@@ -20,7 +20,7 @@ constexpr auto greeting_patience =
     std::chrono::milliseconds(250);  // one that was switched on boots meanwhile
 constexpr auto read_period = std::chrono::milliseconds(20);
 constexpr int tries = 6, greeting_tries = 40;
-constexpr double command_age_s = 0.04;  // of telemetry by which a goal is chosen, until it is heard
+constexpr double command_age_s = 0.04;  // of the telemetry that a goal is chosen by, until it is heard
 
 }  // namespace
 

@@ -17,7 +17,7 @@ namespace sts3215 = wire::sts3215;
 namespace cell = wire::sts3215::at;
 
 constexpr double rated_dps = 270.0;    // 45 rev/min without load: its data sheet
-constexpr double sts_reach_deg = 2.5;  // its gear has play, and a load pushes it off its goal
+constexpr double sts_reach_deg = 4.5;  // its gear has play, and a load pushes it off its goal
 constexpr double sts_farthest_deg =
     (sts3215::farthest_position - sts3215::middle_position) * sts3215::position_deg;
 
