@@ -48,7 +48,7 @@ nlohmann::json estimators_json(const std::vector<EstimatorColumn>& estimators) {
   return list;
 }
 
-nlohmann::json estimate_json(const RateEstimate& estimate, const EstimatorColumn& column) {
+nlohmann::json estimator_json(const RateEstimate& estimate, const EstimatorColumn& column) {
   nlohmann::json values = nlohmann::json::object();
   for (std::size_t i = 0; i < column.values.size(); ++i)
     values[column.values[i]] = number_json(estimate.values[i]);
@@ -65,7 +65,7 @@ nlohmann::json estimate_json(const RateEstimate& estimate, const EstimatorColumn
 nlohmann::json estimates_json(const LiveFrame& frame) {
   nlohmann::json estimates = nlohmann::json::object();
   for (std::size_t i = 0; i < frame.estimators.size(); ++i)
-    estimates[frame.estimators[i].name] = estimate_json(frame.row.estimates[i], frame.estimators[i]);
+    estimates[frame.estimators[i].name] = estimator_json(frame.row.estimates[i], frame.estimators[i]);
   return estimates;
 }
 

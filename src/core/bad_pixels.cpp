@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 namespace thermorig {
@@ -46,18 +48,29 @@ constexpr std::array<Around, frame_pixels> all_arounds = [] {
   return all;
 }();
 
+/// A sorting network for eight (Knuth, The Art of Computer Programming 3, 5.3.4): no branch depends on them.
+void sort_eight(std::array<float, 8>& values) {
+  constexpr std::array<std::uint8_t, 19> low{0, 1, 4, 5, 0, 1, 2, 3, 0, 2, 4, 6, 2, 3, 1, 3, 1, 3, 5};
+  constexpr std::array<std::uint8_t, 19> high{2, 3, 6, 7, 4, 5, 6, 7, 1, 3, 5, 7, 4, 5, 4, 6, 2, 4, 6};
+  for (std::size_t i = 0; i < low.size(); ++i) {
+    const float a = values[low[i]], b = values[high[i]];
+    values[low[i]] = std::min(a, b);
+    values[high[i]] = std::max(a, b);
+  }
+}
+
 /// Of those around the pixel; of an even number the lower one. `of` may say that one is no number.
 template <typename Of>
 float median_around(std::size_t place, Of of) {
   const Around& around = all_arounds[place];
-  std::array<float, 8> values{};
+  std::array<float, 8> values;
+  values.fill(std::numeric_limits<float>::infinity());
   std::size_t count = 0;
   for (std::size_t i = 0; i < around.count; ++i)
     if (const float value = of(around.place[i]); std::isfinite(value)) values[count++] = value;
   if (count == 0) return 0.0F;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((count - 1) / 2);
-  std::nth_element(values.begin(), middle, values.begin() + static_cast<std::ptrdiff_t>(count));
-  return *middle;
+  sort_eight(values);
+  return values[(count - 1) / 2];
 }
 
 std::optional<std::size_t> number_in(std::string_view text, std::size_t below) {

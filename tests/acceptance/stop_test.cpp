@@ -13,12 +13,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int long_leg = 40;  // frames: none of these tests reaches its end
+constexpr int unfinished_leg = 40;  // frames: none of these tests reaches its end
 
 class Signal : public RecorderOnPorts {
  protected:
   pid_t recording_in_first_leg() {
-    const pid_t process = start_recording(long_leg);
+    const pid_t process = start_recording(unfinished_leg);
     wait_for_first_leg();
     rig_.let_pass(300'000);
     return process;

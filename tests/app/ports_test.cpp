@@ -56,9 +56,9 @@ TEST_F(Ports, FindsTheThreeRolesOfASimulatedRigInAnyOrder) {
 
 TEST_F(Ports, ShowWhatOneDeviceSends) {
   const auto rig = simulate();
-  const Outcome camera = run("look --json --seconds 3 " + port(rig, "camera"));
-  const Outcome gyro = run("look --json --seconds 3 " + port(rig, "gyro"));
-  const Outcome servo = run("look --seconds 2 " + port(rig, "servo"));
+  const Outcome camera = run("look --json --seconds 1.5 " + port(rig, "camera"));
+  const Outcome gyro = run("look --json --seconds 1 " + port(rig, "gyro"));
+  const Outcome servo = run("look --seconds 1 " + port(rig, "servo"));
   end_simulation();
   ASSERT_EQ(camera.code, 0) << camera.err;
   EXPECT_EQ(camera.lines().back()["device"], "camera");

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 const std::string fast_rig = "record --simulated=3 --fast --environment garden ";
-const std::string fast = fast_rig + "--world honest ";
+const std::string honest_rig = fast_rig + "--world honest ";
 
 class Record : public ProgramTest {
  protected:
@@ -35,7 +35,7 @@ class Record : public ProgramTest {
 };
 
 TEST_F(Record, WritesASessionAndSaysWhatToTypeNext) {
-  const Outcome outcome = run(fast + brief_plan);
+  const Outcome outcome = run(honest_rig + brief_plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto sessions = files(".h5");
   ASSERT_EQ(sessions.size(), 1U);
@@ -68,7 +68,7 @@ TEST_F(Record, TakesEveryCameraAndGyroThatCanBeSimulated) {
     words.push_back("--simulated-camera " + std::string(camera));
   for (const std::string& gyro : sensors::gyro_names()) words.push_back("--simulated-gyro-protocol " + gyro);
   for (const std::string& word : words) {
-    const Outcome outcome = run(fast + word + " " + brief_plan);
+    const Outcome outcome = run(honest_rig + word + " " + brief_plan);
     EXPECT_EQ(outcome.code, 0) << word << outcome.err;
   }
   EXPECT_EQ(files(".h5").size(), words.size());
@@ -94,7 +94,7 @@ TEST_F(Record, OfABusThatIsNotThereSaysHowToGetOne) {
 }
 
 TEST_F(Record, GivesEventsAsJsonLinesWithTheSummaryLast) {
-  const Outcome outcome = run(fast + "--json " + brief_plan);
+  const Outcome outcome = run(honest_rig + "--json " + brief_plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto lines = outcome.lines();
   ASSERT_GE(lines.size(), 2U);
@@ -117,11 +117,11 @@ TEST_F(Record, SaysWhichSceneStandsForAnEnvironmentThatHasNone) {
               HasSubstr("SIMULATED rig, seed 3: virtual time, firmware's host build, scene laboratory"));
   EXPECT_THAT(run(of_kitchn + "--scene kitchen " + brief_plan).out,
               HasSubstr(", scene kitchen, world honest\n"));
-  EXPECT_THAT(run(fast + brief_plan).out, Not(HasSubstr("scene")));
+  EXPECT_THAT(run(honest_rig + brief_plan).out, Not(HasSubstr("scene")));
 }
 
 TEST_F(Record, SaysItsWorldAndEachKnobThatIsNotHonest) {
-  EXPECT_THAT(run(fast + brief_plan).out, HasSubstr("firmware's host build, world honest\n"));
+  EXPECT_THAT(run(honest_rig + brief_plan).out, HasSubstr("firmware's host build, world honest\n"));
   const Outcome outcome =
       run(fast_rig + "--world honest,servo.backlash_deg=2,gyro.bandwidth_hz=256 " + brief_plan);
   EXPECT_THAT(outcome.out, HasSubstr("firmware's host build, world honest,servo.backlash_deg=2\n"));
@@ -150,7 +150,7 @@ TEST_F(Record, NeverUsesANumberTwice) {
 }
 
 TEST_F(Record, ShowsThePlanAndMovesNothingOnADryRun) {
-  const Outcome outcome = run(fast + "--dry-run " + brief_plan);
+  const Outcome outcome = run(honest_rig + "--dry-run " + brief_plan);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("4 legs of 12 frames"));
   EXPECT_THAT(outcome.out, HasSubstr("+40.0"));
@@ -179,7 +179,7 @@ TEST_F(Record, RefusesOnADryRunWhatItRefusesWhenItRecords) {
 }
 
 TEST_F(Record, GivesTheDryRunAsJson) {
-  const Outcome outcome = run(fast + "--dry-run --json " + brief_plan);
+  const Outcome outcome = run(honest_rig + "--dry-run --json " + brief_plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto lines = outcome.lines();
   ASSERT_EQ(lines.size(), 1U);
@@ -192,12 +192,12 @@ TEST_F(Record, AsksTheDiskForAsMuchOnADryRunAsWhenItRecords) {
   const RigProfile profile = simulation::default_rig(3, "garden").profile;
   const rig::SweepPlan plan = rig::load_plan("quick", "garden", 3, {.frames_per_leg = 45});
   const double needed_mb = 1e-6 * static_cast<double>(rig::expected_recording_bytes(plan, profile));
-  EXPECT_THAT(run(fast + "-n --plan quick --frames-per-leg 45").out,
+  EXPECT_THAT(run(honest_rig + "-n --plan quick --frames-per-leg 45").out,
               HasSubstr(fmt::format("about {:.1f} MB needed", needed_mb)));
 }
 
 TEST_F(Record, ShowsWhatEachSpeedYieldsBeforeAnythingMoves) {
-  const Outcome outcome = run(fast + "--dry-run --simulated-servo 180 --speeds 20,200");
+  const Outcome outcome = run(honest_rig + "--dry-run --simulated-servo 180 --speeds 20,200");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("one leg / one sweep from stop to stop"));
   EXPECT_THAT(outcome.out, HasSubstr("quota: 50 valid frames a leg"));
@@ -209,7 +209,7 @@ TEST_F(Record, ShowsWhatEachSpeedYieldsBeforeAnythingMoves) {
 }
 
 TEST_F(Record, GivesTheYieldAsArraysByFramesAWindow) {
-  const Outcome outcome = run(fast + "--dry-run --json --simulated-servo 180 --speeds 20,200");
+  const Outcome outcome = run(honest_rig + "--dry-run --json --simulated-servo 180 --speeds 20,200");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto yield = outcome.lines().at(0)["yield"];
   EXPECT_EQ(yield["valid_per_leg"], 50);
@@ -222,12 +222,12 @@ TEST_F(Record, GivesTheYieldAsArraysByFramesAWindow) {
   EXPECT_EQ(fastest["possible"], (std::vector<bool>{true, true, true, false, false, false}));
   EXPECT_GT(fastest["quota_s"], 20.0);
   EXPECT_LT(fastest["sweep"][0], 5.0);
-  const Outcome endless = run(fast + "--dry-run --json --simulated-servo continuous --speeds 200");
+  const Outcome endless = run(honest_rig + "--dry-run --json --simulated-servo continuous --speeds 200");
   EXPECT_TRUE(endless.lines().at(0)["yield"]["speeds"][0]["sweep"][0].is_null());
 }
 
 TEST_F(Record, RefusesAQuotaThatNoLegCouldReach) {
-  const std::string beyond = fast + "--plan quick --valid-per-leg 1000 ";
+  const std::string beyond = honest_rig + "--plan quick --valid-per-leg 1000 ";
   expect_refused(beyond, 2, "and a step is given up after 20 x 30 = 600");
   const Outcome dry = run(beyond + "-n");
   EXPECT_EQ(dry.code, 2);
@@ -235,16 +235,16 @@ TEST_F(Record, RefusesAQuotaThatNoLegCouldReach) {
   const auto checks = run(beyond + "-n --json").lines().at(0)["checks"];
   EXPECT_EQ(checks[0]["ok"], false);
   EXPECT_EQ(checks[0]["exit_code"], 2);
-  EXPECT_EQ(run(fast + "--plan quick --valid-per-leg 1000 --frames-per-leg 51 -n").code, 0);
+  EXPECT_EQ(run(honest_rig + "--plan quick --valid-per-leg 1000 --frames-per-leg 51 -n").code, 0);
 }
 
 TEST_F(Record, SaysWhyALegOnAShortServoHasMoreFrames) {
-  const Outcome outcome = run(fast + "-n --plan quick --simulated-servo 180");
+  const Outcome outcome = run(honest_rig + "-n --plan quick --simulated-servo 180");
   EXPECT_THAT(outcome.out, HasSubstr("more than 30 frames: what a leg's 23 valid ones are expected to take"));
   EXPECT_THAT(outcome.out, HasSubstr("it goes back and forth"));
   EXPECT_THAT(outcome.out, HasSubstr("legs take"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("\n\n\n")));
-  const Outcome winch = run(fast + "-n --plan quick");
+  const Outcome winch = run(honest_rig + "-n --plan quick");
   EXPECT_THAT(winch.out, Not(HasSubstr("more than 30 frames")));
 }
 
@@ -257,7 +257,7 @@ TEST_F(Record, ARestHasNoTableOfLegs) {
 }
 
 TEST_F(Record, TellsOfItsProgressOnceASecondOfVirtualTime) {
-  const Outcome outcome = run(fast + "--json " + brief_plan);
+  const Outcome outcome = run(honest_rig + "--json " + brief_plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   double before_s = 0.0, end_s = 0.0;
   std::vector<std::string> phases;
@@ -276,23 +276,26 @@ TEST_F(Record, TellsOfItsProgressOnceASecondOfVirtualTime) {
 }
 
 TEST_F(Record, KeepsTheLicenceOfTheData) {
-  ASSERT_EQ(run(fast + "--licence CC-BY-4.0 " + brief_plan).code, 0);
+  ASSERT_EQ(run(honest_rig + "--licence CC-BY-4.0 " + brief_plan).code, 0);
   const std::string session = files(".h5").at(0).string();
   EXPECT_EQ(run("inspect --json " + session).lines()[0][0]["licence"], "CC-BY-4.0");
   EXPECT_THAT(run("inspect " + session).out, HasSubstr("licence      CC-BY-4.0"));
 }
 
 TEST_F(Record, RefusesSpeedsThatCannotGiveSoManyValidFramesInARow) {
-  expect_refused(fast + "--simulated-servo 180 --speeds 20,200 --frames-per-window 6", 2,
+  expect_refused(honest_rig + "--simulated-servo 180 --speeds 20,200 --frames-per-window 6", 2,
                  "5 x 0.125 s for 6 frames in a row");
-  EXPECT_EQ(run(fast + "--simulated-servo 180 --speeds 20,200 --frames-per-window 6 --dry-run").code, 2);
-  EXPECT_EQ(run(fast + "--simulated-servo 180 --speeds 20,200 --frames-per-window 3 --dry-run").code, 0);
-  EXPECT_EQ(run(fast + "--speeds 20,200 --frames-per-window 6 --dry-run").code, 0);
+  EXPECT_EQ(run(honest_rig + "--simulated-servo 180 --speeds 20,200 --frames-per-window 6 --dry-run").code,
+            2);
+  EXPECT_EQ(run(honest_rig + "--simulated-servo 180 --speeds 20,200 --frames-per-window 3 --dry-run").code,
+            0);
+  EXPECT_EQ(run(honest_rig + "--speeds 20,200 --frames-per-window 6 --dry-run").code, 0);
 }
 
 TEST_F(Record, GoesOnUntilEachSpeedHasItsValidFrames) {
-  const Outcome outcome = run(
-      fast + "--json --simulated-servo 180 --plan quick --speeds 150 --frames-per-leg 20 --valid-per-leg 15");
+  const Outcome outcome =
+      run(honest_rig +
+          "--json --simulated-servo 180 --plan quick --speeds 150 --frames-per-leg 20 --valid-per-leg 15");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto summary = outcome.lines().back();
   ASSERT_EQ(summary["speeds"].size(), 2U);
@@ -302,30 +305,31 @@ TEST_F(Record, GoesOnUntilEachSpeedHasItsValidFrames) {
   }
   EXPECT_EQ(summary["speeds_short"], 0);
   EXPECT_GT(summary["frames_swept"], 55);
-  const Outcome without = run(
-      fast + "--json --simulated-servo 180 --plan quick --speeds 150 --frames-per-leg 20 --valid-per-leg 0");
+  const Outcome without =
+      run(honest_rig +
+          "--json --simulated-servo 180 --plan quick --speeds 150 --frames-per-leg 20 --valid-per-leg 0");
   ASSERT_EQ(without.code, 0) << without.err;
   EXPECT_LE(without.lines().back()["frames_swept"], 46);
 }
 
 TEST_F(Record, ShowsTheSumWhenTheCameraCannotSendSoMuch) {
-  expect_refused(fast + "--camera-baud 115200 --camera-rate 8", 2, "115");
-  const Outcome outcome = run(fast + "--camera-baud 115200 --camera-rate 8");
+  expect_refused(honest_rig + "--camera-baud 115200 --camera-rate 8", 2, "115");
+  const Outcome outcome = run(honest_rig + "--camera-baud 115200 --camera-rate 8");
   EXPECT_THAT(outcome.err, HasSubstr("1544"));
   EXPECT_THAT(outcome.err, HasSubstr("134.0 ms > 125.0 ms"));
 }
 
 TEST_F(Record, ReportsAFailedCheckOfADryRunInItsExitCode) {
-  const Outcome outcome = run(fast + "--dry-run --camera-baud 115200 --camera-rate 8");
+  const Outcome outcome = run(honest_rig + "--dry-run --camera-baud 115200 --camera-rate 8");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.out, HasSubstr("NOT OK"));
 }
 
 TEST_F(Record, RefusesAnOutputFolderThatCannotBeWritten) {
   write("taken", {});
-  expect_refused(fast + "--output taken " + brief_plan, 7, "taken");
-  expect_refused(fast + "--output /proc/recordings " + brief_plan, 7, "/proc/recordings");
-  EXPECT_EQ(run(fast + "--output taken " + brief_plan).out, "");
+  expect_refused(honest_rig + "--output taken " + brief_plan, 7, "taken");
+  expect_refused(honest_rig + "--output /proc/recordings " + brief_plan, 7, "/proc/recordings");
+  EXPECT_EQ(run(honest_rig + "--output taken " + brief_plan).out, "");
 }
 
 TEST_F(Record, RefusesContradictingWords) {
@@ -337,9 +341,9 @@ TEST_F(Record, RefusesContradictingWords) {
   expect_refused("record --environment garden --scene kitchen", 2, "--scene and --world need --simulated");
   expect_refused("record --fast --environment garden --camera a --gyro b --servo c", 2, "--fast");
   expect_refused("record --environment garden --control --simulated -n", 2, "no page is served");
-  expect_refused(fast + "--plan nowhere.toml", 2, "nowhere.toml");
-  expect_refused(fast + "--speeds 30,900", 2, "900");
-  expect_refused(fast + "--licence " + std::string(1001, 'x'), 2, "--licence is no line");
+  expect_refused(honest_rig + "--plan nowhere.toml", 2, "nowhere.toml");
+  expect_refused(honest_rig + "--speeds 30,900", 2, "900");
+  expect_refused(honest_rig + "--licence " + std::string(1001, 'x'), 2, "--licence is no line");
 }
 
 TEST_F(Record, SaysWhichPortDoesNotExist) {
@@ -364,8 +368,8 @@ TEST_F(Record, ClosesTheFileOnCtrlC) {
 }
 
 TEST_F(Record, DrawsOverItsStatusOnATerminalOnlyAndNotIfNoColourIsWanted) {
-  const Outcome plain = run_on_terminal("TERM=xterm NO_COLOR=1", fast + brief_plan);
-  const Outcome drawn = run_on_terminal("TERM=xterm", fast + brief_plan);
+  const Outcome plain = run_on_terminal("TERM=xterm NO_COLOR=1", honest_rig + brief_plan);
+  const Outcome drawn = run_on_terminal("TERM=xterm", honest_rig + brief_plan);
   ASSERT_EQ(drawn.code, 0) << drawn.out;
   EXPECT_THAT(drawn.out, HasSubstr("\x1b["));
   EXPECT_THAT(drawn.out, HasSubstr("camera  "));
@@ -377,7 +381,7 @@ TEST_F(Record, DrawsOverItsStatusOnATerminalOnlyAndNotIfNoColourIsWanted) {
 
 TEST_F(Record, SimulatesEveryKindOfServo) {
   for (const char* servo : {"180", "270", "continuous"}) {
-    const Outcome outcome = run(fast + "--json --simulated-servo " + servo + " " + brief_plan);
+    const Outcome outcome = run(honest_rig + "--json --simulated-servo " + servo + " " + brief_plan);
     ASSERT_EQ(outcome.code, 0) << servo << outcome.err << outcome.out;
     EXPECT_GE(outcome.lines().back()["frames_swept"], 48) << servo;
     EXPECT_GT(outcome.lines().back()["frames_valid"], 10) << servo;

@@ -16,10 +16,10 @@
 namespace thermorig::network {
 namespace {
 
-constexpr double agreement = 1e-4;  // of the largest value of a tensor
+constexpr double slope_agreement = 1e-4;  // of the largest value of a tensor
 
 /// Both heads at work, so that no gradient is lost in the other's shadow.
-Weights lively_weights(const Shape& shape, std::uint64_t seed) {
+Weights balanced_weights(const Shape& shape, std::uint64_t seed) {
   Weights weights = initial_weights(shape, seed);
   for (float& w : weights.tensor("speed3.weight")) w *= 4.0F;
   if (shape.fusion)
@@ -27,7 +27,7 @@ Weights lively_weights(const Shape& shape, std::uint64_t seed) {
   return weights;
 }
 
-std::string described(const Shape& shape, InstructionSet set) {
+std::string described_step(const Shape& shape, InstructionSet set) {
   return "Nf " + std::to_string(shape.frames) + " Nr " + std::to_string(shape.reduction) +
          (shape.fusion ? " fusion" : " thermal-only") + " padding " + std::to_string(shape.padding1) + " " +
          std::to_string(shape.padding2) + " " + std::string(name_of(set));
@@ -42,18 +42,18 @@ void expect_near(const Shape& shape, std::span<const float> gradients, const Val
       apart = std::max(apart, std::abs(reference[i] - static_cast<double>(gradients[i])));
     }
     EXPECT_GT(largest, 0.0) << tensor.name;
-    EXPECT_LE(apart, agreement * largest) << tensor.name;
+    EXPECT_LE(apart, slope_agreement * largest) << tensor.name;
   }
 }
 
 /// Gradients and loss by every instruction set beside the reference's.
 void expect_gradients(const Shape& shape, int windows, const LossConfig& loss = {}) {
-  const Weights weights = lively_weights(shape, 3);
+  const Weights weights = balanced_weights(shape, 3);
   RandomWindows random(shape, windows, 7);
   const Batch batch = random.batch();
   const ReferenceGradients reference = ReferenceNetwork(weights).gradients(batch, loss);
   for (InstructionSet set : instruction_sets()) {
-    SCOPED_TRACE(described(shape, set) + ", " + std::to_string(windows) + " windows");
+    SCOPED_TRACE(described_step(shape, set) + ", " + std::to_string(windows) + " windows");
     CallingThread workers;
     Trainer trainer(weights, {.loss = loss, .set = set}, workers);
     expect_near(shape, trainer.gradients(batch), reference.values);
@@ -102,8 +102,8 @@ TEST(Trainer, ABatchForgetsTheOneBefore) {
   RandomWindows many(shape, 32, 1), few(shape, 3, 2);
   CallingThread workers;
   for (InstructionSet set : instruction_sets()) {
-    Trainer fresh(lively_weights(shape, 3), {.set = set}, workers);
-    Trainer used(lively_weights(shape, 3), {.set = set}, workers);
+    Trainer fresh(balanced_weights(shape, 3), {.set = set}, workers);
+    Trainer used(balanced_weights(shape, 3), {.set = set}, workers);
     used.gradients(many.batch());
     EXPECT_EQ(used.gradients(few.batch()), fresh.gradients(few.batch())) << name_of(set);
   }
@@ -127,9 +127,9 @@ TEST(Trainer, StepsOfAdamAreTheReferences) {
   const LossConfig loss{.auxiliary_thermal = 0.5F};
   for (InstructionSet set : instruction_sets()) {
     SCOPED_TRACE(name_of(set));
-    ReferenceNetwork reference(lively_weights(shape, 5));
+    ReferenceNetwork reference(balanced_weights(shape, 5));
     CallingThread workers;
-    Trainer trainer(lively_weights(shape, 5), {.loss = loss, .set = set}, workers);
+    Trainer trainer(balanced_weights(shape, 5), {.loss = loss, .set = set}, workers);
     for (std::uint64_t step = 0; step < 6; ++step) {
       RandomWindows windows(shape, 8, step);
       const double expected = reference.step(windows.batch(), loss, {}).loss;
@@ -153,7 +153,7 @@ TEST(Trainer, AMomentKeepsItsDirectionHoweverSmallTheGradient) {
   const std::vector<float> label{0.5F};
   for (InstructionSet set : instruction_sets()) {
     CallingThread workers;
-    const Weights before = lively_weights(shape, 2);
+    const Weights before = balanced_weights(shape, 2);
     Trainer trainer(before, {.set = set}, workers);
     const auto gradients = trainer.gradients({.frames = frames, .label = label});
     trainer.step({.frames = frames, .label = label});
@@ -233,12 +233,12 @@ TEST(Trainer, WeightsDoNotDependOnTheSizeOfTheCrew) {
       for (int size : {2, 3, 7, 40}) {
         BackwardCrew workers(size);
         EXPECT_EQ(trained_by(workers, shape, set), expected)
-            << described(shape, set) << ", workers of " << size;
+            << described_step(shape, set) << ", workers of " << size;
       }
       for (int size : {2, 3}) {
         ThreadedCrew workers(size);
         EXPECT_EQ(trained_by(workers, shape, set), expected)
-            << described(shape, set) << ", threads: " << size;
+            << described_step(shape, set) << ", threads: " << size;
       }
     }
   }

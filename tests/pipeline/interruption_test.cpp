@@ -58,7 +58,7 @@ Passed both_passes(const RawRecording& raw) {
   return passed;
 }
 
-bool has(const LabelledSample& sample, Reason reason) {
+bool has_reason(const LabelledSample& sample, Reason reason) {
   return (sample.reason_bits & bit(reason)) != 0;
 }
 
@@ -73,7 +73,7 @@ TEST(Interruption, OfTheCameraMarksTheFirstFrameThatComesAgain) {
     ASSERT_NE(first, frames.end());
     EXPECT_NEAR(first->missing_before, (back_s - gone_s) * 8.0, 1.5) << final_pass;
     const auto& sample = passed.samples.at(static_cast<std::size_t>(first - frames.begin()));
-    EXPECT_TRUE(has(sample, Reason::camera_gap));
+    EXPECT_TRUE(has_reason(sample, Reason::camera_gap));
     EXPECT_NE(sample.run, passed.samples.at(static_cast<std::size_t>(first - frames.begin()) - 1).run);
     for (auto next = first + 1; next != frames.end(); ++next) EXPECT_EQ(next->missing_before, 0);
   }

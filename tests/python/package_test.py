@@ -4,6 +4,7 @@
 Usage: package_test.py PROGRAM
 """
 import contextlib
+import functools
 import io
 import json
 import os
@@ -39,6 +40,12 @@ def run(*words, code=0):
 
 def record(environment, seed, *more):
     run("record", "--fast", "--world", "honest", f"--simulated={seed}", "-e", environment, "--json", *BRIEF, *more)
+
+
+@functools.cache
+def opened():
+    """The sessions of setUpModule(), read and checked once: for tests of what is in them."""
+    return thermorig.open_sessions(recordings)
 
 
 def setUpModule():
@@ -89,12 +96,12 @@ class TheSessions(unittest.TestCase):
             run("train", recordings, "-o", f"{label}.onnx", "--epochs", 1, "--label", label, "--json")
             trained = json.loads((Path(folder.name) / f"{label}.run/run.json").read_text())
             self.assertEqual(trained["settings"]["label"], label)
-            sessions = thermorig.open_sessions(recordings)
+            sessions = opened()
             self.assertEqual([session.learnt_hash(label) for session in sessions],
                              [data["sha256"] for data in trained["data"]])
 
     def test_have_each_label_by_its_column_and_by_the_word_of_train(self):
-        session = thermorig.open_sessions(recordings)[0]
+        session = opened()[0]
         for word in ("commanded", "corrected", "shaft"):
             np.testing.assert_array_equal(session.label(word), session.column(f"rate_{word}"))
             np.testing.assert_array_equal(session.label_uncertainty(word), session.column(f"rate_{word}_uncertainty"))
@@ -114,7 +121,7 @@ class TheSessions(unittest.TestCase):
                 self.assertEqual(session.world, "honest")
 
     def test_name_their_times_their_bias_and_what_stands_against_a_frame(self):
-        session = thermorig.open_sessions(recordings)[0]
+        session = opened()[0]
         np.testing.assert_array_equal(session.exposure_end_s, session.file["camera/time"][:])
         exposure_s = session.exposure_end_s - session.exposure_begin_s
         quarter_s = (session.exposure_end_s - session.middle_s)[10:]
@@ -162,7 +169,7 @@ class TheSessions(unittest.TestCase):
         text.unlink()
         with self.assertRaisesRegex(ValueError, "there is no session"):
             thermorig.scaling_of([])
-        first = thermorig.open_sessions(recordings)[0]
+        first = opened()[0]
         with self.assertRaisesRegex(thermorig.NotASession, "thermorig reprocess"):
             altered_copy(first, lambda file: file.attrs.__setitem__("format_version", "1.3.0"))
         with self.assertRaises(FileNotFoundError):
@@ -190,7 +197,7 @@ class TheSessions(unittest.TestCase):
         self.assertEqual(len(thermorig.open_sessions(there, accept_bad=True)), 2)
 
     def test_that_were_changed_are_refused_whatever_was_changed(self):
-        first = thermorig.open_sessions(recordings)[0]
+        first = opened()[0]
         middle = len(first) // 2
 
         def value(path, at, new):
@@ -241,7 +248,7 @@ class TheSessions(unittest.TestCase):
     def test_that_are_special_files_are_refused_or_skipped_as_the_program_does(self):
         there = Path(folder.name) / "special"
         there.mkdir()
-        source = Path(thermorig.open_sessions(recordings)[0].path)
+        source = Path(opened()[0].path)
         (there / "sound.h5").write_bytes(source.read_bytes())
         (there / "folder.h5").mkdir()
         os.mkfifo(there / "pipe.h5")
@@ -264,7 +271,7 @@ class TheSessions(unittest.TestCase):
 
 class TheWindows(unittest.TestCase):
     def test_are_as_many_as_train_counts(self):
-        sessions = thermorig.open_sessions(recordings)
+        sessions = opened()
         for frames in (2, 3, 6):
             data = thermorig.windows(sessions, frames)
             start = run("train", recordings, "-o", f"count{frames}.onnx", "--nf", frames, "--epochs", 1, "--json")[0]
@@ -278,12 +285,12 @@ class TheWindows(unittest.TestCase):
     def test_have_the_scaling_that_train_keeps_in_its_model(self):
         run("train", recordings, "-o", "scaling.onnx", "--epochs", 1, "--preset", "paper", "--json")
         facts = {entry.key: entry.value for entry in onnx.load(Path(folder.name) / "scaling.onnx").metadata_props}
-        scaling = thermorig.scaling_of(thermorig.open_sessions(recordings))
+        scaling = thermorig.scaling_of(opened())
         self.assertEqual(np.float32(facts["temp_mean_c"]), np.float32(scaling.temp_mean_c))
         self.assertEqual(np.float32(facts["temp_deviation_c"]), np.float32(scaling.temp_deviation_c))
 
     def test_lie_within_one_run_and_end_where_a_longer_history_lets_them(self):
-        session = thermorig.open_sessions(recordings)[0]
+        session = opened()[0]
         data = thermorig.windows(session, 3)
         for last in data.last.astype(int):
             self.assertEqual(len(set(session.run[last - 2:last + 1])), 1)
@@ -291,7 +298,7 @@ class TheWindows(unittest.TestCase):
         np.testing.assert_array_equal(thermorig.windows(session, 2, history=6).last, thermorig.windows(session, 6).last)
 
     def test_leave_out_frames_with_numbers_that_are_not_sound(self):
-        session = thermorig.open_sessions(recordings)[0]
+        session = opened()[0]
         victims = thermorig.windows(session, 3).last[:3].astype(int)
 
         def spoil(file):
@@ -303,14 +310,14 @@ class TheWindows(unittest.TestCase):
         self.assertFalse(set(victims) & set(thermorig.windows(spoilt, 2).last.astype(int)))
 
     def test_turn_the_other_way_when_flipped(self):
-        data = thermorig.windows(thermorig.open_sessions(recordings), 3, 2)
+        data = thermorig.windows(opened(), 3, 2)
         flipped = data.flipped()
         np.testing.assert_array_equal(flipped.images[:, :, :, 0], data.images[:, :, :, -1])
         np.testing.assert_array_equal(flipped.label_dps, -data.label_dps)
         np.testing.assert_array_equal(flipped.gyro_dps, -data.gyro_dps)
 
     def test_can_do_without_the_bias_of_the_gyro_and_learn_the_shafts_speed(self):
-        session = thermorig.open_sessions(recordings)[0]
+        session = opened()[0]
         raw, freed = (thermorig.windows(session, 3, remove_bias=remove) for remove in (False, True))
         np.testing.assert_allclose(raw.gyro_dps - freed.gyro_dps, session.gyro_bias_dps.value, atol=1e-4)
         for label in ("rate_shaft", "corrected"):
@@ -319,7 +326,7 @@ class TheWindows(unittest.TestCase):
             self.assertFalse((other.label_dps == raw.label_dps).all())
 
     def test_of_a_session_come_back_by_its_name(self):
-        sessions = thermorig.open_sessions(recordings)
+        sessions = opened()
         data = thermorig.windows(sessions, 3)
         np.testing.assert_array_equal(data.of("kitchen_acq-01").images, thermorig.windows(sessions[2], 3).images)
 

@@ -22,7 +22,7 @@ namespace thermorig::tests {
 
 namespace {
 
-constexpr auto patience = std::chrono::seconds(60);  // of a wait that ought to be short
+constexpr auto longest_wait = std::chrono::seconds(60);  // of a wait that ought to be short
 constexpr std::int64_t rest_us = 300'000;
 constexpr std::int64_t crystal_us = 1'000;
 constexpr std::int64_t moved_before_us = 1'000'000;
@@ -56,7 +56,7 @@ void Drill::make_rig() {
 }
 
 void Drill::wait_until(const std::function<bool()>& happened) const {
-  const auto limit = std::chrono::steady_clock::now() + patience;
+  const auto limit = std::chrono::steady_clock::now() + longest_wait;
   while (!happened()) {
     ASSERT_LT(std::chrono::steady_clock::now(), limit) << "what the drill waits for did not happen";
     std::this_thread::sleep_for(std::chrono::milliseconds(5));

@@ -40,12 +40,12 @@ Told told(const Measurement& measurement, HostTime arrived) {
 }
 
 /// A run in virtual time whose observer writes down what it is told, and answers with a row of it.
-struct Watched {
+struct WatchedRun {
   VirtualOptions options;
   std::vector<Told> rows;
   std::vector<RecordingEvent> events;
 
-  Watched(const TemporaryFolder& folder, const RigProfile& profile) {
+  WatchedRun(const TemporaryFolder& folder, const RigProfile& profile) {
     options.recording = recording_options(folder, profile, short_plan());
     options.recording.estimators = {{.name = "gyro", .values = {}}};
     options.recording.observe = [this](const Measurement& measurement, HostTime arrived) {
@@ -81,7 +81,7 @@ std::vector<Told> replayed(const RawRecording& raw) {
 TEST(LiveRecording, TellsEachFrameOnceInOrderAndAReplayTellsTheSameBitForBit) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(3, "kitchen"));
-  Watched run(folder, simulation::default_profile());
+  WatchedRun run(folder, simulation::default_profile());
   const RecordingResult result = record_virtual(bus, run.options);
   ASSERT_EQ(result.exit, ExitCode::ok) << result.message;
   const session::Session session = session::read_session(result.session);
@@ -95,7 +95,7 @@ TEST(LiveRecording, AnObserverChangesNothingOfWhatIsRecorded) {
   std::vector<RawRecording> raws;
   for (const bool watched : {false, true}) {
     SimulatedBus bus(simulation::default_rig(3, "kitchen"));
-    Watched run(folder, simulation::default_profile());
+    WatchedRun run(folder, simulation::default_profile());
     if (!watched) run.options.recording.observe = {};
     raws.push_back(session::read_raw(record_virtual(bus, run.options).session));
   }
@@ -109,7 +109,7 @@ TEST(LiveRecording, AnObserverChangesNothingOfWhatIsRecorded) {
 TEST(LiveRecording, KeepsNothingWhereNothingIsToBeKept) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(3, "kitchen"));
-  Watched run(folder, simulation::default_profile());
+  WatchedRun run(folder, simulation::default_profile());
   run.options.recording.keep = false;
   const RecordingResult result = record_virtual(bus, run.options);
   EXPECT_EQ(result.exit, ExitCode::ok) << result.message;
@@ -122,7 +122,7 @@ TEST(LiveRecording, KeepsNothingWhereNothingIsToBeKept) {
 TEST(LiveRecording, WritesMarksAndStopsOnOrderAndSaysWhoAsked) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(3, "kitchen"));
-  Watched run(folder, simulation::default_profile());
+  WatchedRun run(folder, simulation::default_profile());
   run.options.orders = [&, asked = 0]() mutable -> std::vector<Order> {
     ++asked;
     if (asked == 500) return {{OrderKind::mark, "a door was opened"}};
@@ -143,7 +143,7 @@ TEST(LiveRecording, WritesMarksAndStopsOnOrderAndSaysWhoAsked) {
 TEST(LiveRecording, WaitsForTheOrderToStart) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(3, "kitchen"));
-  Watched run(folder, simulation::default_profile());
+  WatchedRun run(folder, simulation::default_profile());
   run.options.recording.wait_for_start = true;
   run.options.orders = [&, asked = 0]() mutable -> std::vector<Order> {
     return ++asked == 2000 ? std::vector<Order>{{OrderKind::start, ""}} : std::vector<Order>{};
@@ -162,7 +162,7 @@ TEST(LiveRecording, KeepsWhatCameBeforeADeviceWentWhileItWaitedForItsStart) {
   bus.is_cut = [](Device device, HostTime now) {
     return device == Device::camera && to_s(now - HostTime{}) > 4.0;
   };
-  Watched run(folder, simulation::default_profile());
+  WatchedRun run(folder, simulation::default_profile());
   run.options.recording.wait_for_start = true;
   const RecordingResult result = record_virtual(bus, run.options);
   EXPECT_EQ(result.exit, ExitCode::device_lost) << result.message;
@@ -173,7 +173,7 @@ TEST(LiveRecording, GoesOnWithoutAGyroThatIsNotNeeded) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(3, "kitchen"));
   bus.is_cut = [](Device device, HostTime) { return device == Device::gyro; };
-  Watched run(folder, simulation::default_profile());
+  WatchedRun run(folder, simulation::default_profile());
   run.options.recording.needed[Device::gyro] = false;
   const RecordingResult result = record_virtual(bus, run.options);
   EXPECT_EQ(result.exit, ExitCode::finished_lossy);
@@ -193,7 +193,7 @@ TEST(LiveRecording, GoesOnByTimeWithoutACameraAndTellsTheGyroAgainstTheServo) {
     bus.is_cut = [&](Device device, HostTime now) {
       return device == Device::camera && (from_the_start || to_s(now - HostTime{}) > 4.0);
     };
-    Watched run(folder, simulation::default_profile());
+    WatchedRun run(folder, simulation::default_profile());
     run.options.recording.needed[Device::camera] = false;
     const RecordingResult result = record_virtual(bus, run.options);
     EXPECT_EQ(result.exit, ExitCode::finished_lossy) << result.message;
@@ -220,7 +220,7 @@ TEST(LiveRecording, RowsAndFramesOfOneIndexAreApartInTimeWhereTheCameraCameBack)
     const double now_s = to_s(now - HostTime{});
     return device == Device::camera && now_s > 4.0 && now_s < 10.0;
   };
-  Watched run(folder, simulation::default_profile());
+  WatchedRun run(folder, simulation::default_profile());
   run.options.recording.needed[Device::camera] = false;
   const RecordingResult result = record_virtual(bus, run.options);
   ASSERT_EQ(result.exit, ExitCode::finished_lossy) << result.message;
@@ -244,7 +244,7 @@ TEST(LiveRecording, EndsWhenNeitherCameraNorGyroIsThere) {
   bus.is_cut = [](Device device, HostTime now) {
     return device != Device::servo && to_s(now - HostTime{}) > 4.0;
   };
-  Watched run(folder, simulation::default_profile());
+  WatchedRun run(folder, simulation::default_profile());
   run.options.recording.needed = {{false, false, true}};
   EXPECT_EQ(record_virtual(bus, run.options).exit, ExitCode::device_lost);
 }
@@ -252,7 +252,7 @@ TEST(LiveRecording, EndsWhenNeitherCameraNorGyroIsThere) {
 TEST(LiveRecording, RepeatsAPlanUntilItIsStopped) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(3, "kitchen"));
-  Watched run(folder, simulation::default_profile());
+  WatchedRun run(folder, simulation::default_profile());
   run.options.recording.plan.repeat = true;
   run.options.stop_requested = [&, asked = 0]() mutable { return ++asked > 8000; };
   const RecordingResult result = record_virtual(bus, run.options);

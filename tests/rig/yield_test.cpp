@@ -15,7 +15,7 @@ namespace {
 
 constexpr double rate_hz = 8.0;
 
-SweepPlan plan_of(const std::vector<double>& rates_dps, int frames_per_leg, int valid_per_leg) {
+SweepPlan sweep_of(const std::vector<double>& rates_dps, int frames_per_leg, int valid_per_leg) {
   SweepPlan plan;
   plan.name = "test";
   plan.leg_rates_dps = rates_dps;
@@ -96,7 +96,7 @@ TEST(Yield, NoQuotaIsEverMetWhereNoFrameFits) {
 }
 
 TEST(Yield, SaysWhichWindowsAreBeyondTheServosTravel) {
-  const auto speeds = plan_yield(plan_of({200.0, -200.0, 20.0}, 57, 50), servo_of(180.0), rate_hz);
+  const auto speeds = plan_yield(sweep_of({200.0, -200.0, 20.0}, 57, 50), servo_of(180.0), rate_hz);
   ASSERT_EQ(speeds.size(), 2U);
   EXPECT_EQ(speeds[0].rate_dps, 20.0);
   EXPECT_TRUE(speeds[0].windows[5].possible);
@@ -109,7 +109,7 @@ TEST(Yield, SaysWhichWindowsAreBeyondTheServosTravel) {
 }
 
 TEST(Yield, AContinuousServoHasNoStops) {
-  const auto speeds = plan_yield(plan_of({200.0, -200.0}, 57, 50), continuous_servo(), rate_hz);
+  const auto speeds = plan_yield(sweep_of({200.0, -200.0}, 57, 50), continuous_servo(), rate_hz);
   ASSERT_EQ(speeds.size(), 1U);
   for (const auto& windows : speeds[0].windows) {
     EXPECT_TRUE(windows.possible);
@@ -130,7 +130,7 @@ TEST(Yield, TheLegsOfTheDefaultRigNeedNoMoreFramesThanPlanned) {
 }
 
 TEST(Yield, ALegThatGoesBackAndForthSparesTheOneInTheOtherDirection) {
-  const auto legs = expected_legs(plan_of({150.0, -150.0}, 57, 50), servo_of(180.0), rate_hz);
+  const auto legs = expected_legs(sweep_of({150.0, -150.0}, 57, 50), servo_of(180.0), rate_hz);
   ASSERT_EQ(legs.size(), 2U);
   EXPECT_GT(legs[0].frames, 2 * 57);
   EXPECT_EQ(legs[1].frames, 57);
@@ -139,7 +139,7 @@ TEST(Yield, ALegThatGoesBackAndForthSparesTheOneInTheOtherDirection) {
 TEST(Yield, StaysFiniteWithOddPlans) {
   for (const double travel_deg : {4.0, 60.0, 2160.0}) {
     for (const auto& rates_dps : {std::vector<double>{}, {0.01}, {300.0, 300.0, 300.0}}) {
-      SweepPlan plan = plan_of(rates_dps, 1, 1'000'000);
+      SweepPlan plan = sweep_of(rates_dps, 1, 1'000'000);
       EXPECT_TRUE(std::isfinite(plan_duration_s(plan, servo_of(travel_deg), rate_hz)));
       EXPECT_LE(plan_yield(plan, servo_of(travel_deg), rate_hz).size(), 1U);
     }
@@ -160,7 +160,7 @@ TEST(Yield, IsWhatARecordingThenHas) {
   for (const double travel_deg : {2160.0, 270.0, 180.0}) {
     auto config = simulation::default_rig(5, "kitchen");
     config.profile.servo.travel_deg = travel_deg;
-    const SweepPlan plan = plan_of({40.0, -40.0, 120.0, -120.0, 200.0, -200.0}, 57, 0);
+    const SweepPlan plan = sweep_of({40.0, -40.0, 120.0, -120.0, 200.0, -200.0}, 57, 0);
     const TemporaryFolder folder;
     SimulatedBus bus(config);
     const DrivenRun run = run_to_journal(bus, recording_options(folder, config.profile, plan));

@@ -39,7 +39,7 @@ using Bytes = std::vector<char>;
 using testing::HasSubstr;
 
 #if defined(THERMORIG_IS_SANITIZED)
-constexpr int usual_mutants = 200;
+constexpr int usual_mutants = 100;
 #else
 constexpr int usual_mutants = 40;
 #endif

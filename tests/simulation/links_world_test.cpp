@@ -17,7 +17,7 @@
 namespace thermorig::simulation {
 namespace {
 
-constexpr std::int64_t ms = 1'000'000;
+constexpr std::int64_t one_ms = 1'000'000;
 
 /// Of the micro-controller's clock against an honest one of the same seed, parts per million.
 double rate_error_ppm(const ServoClockWorld& world, double from_s, double to_s) {
@@ -68,7 +68,7 @@ std::vector<TimedByte> sparse_bytes() {
   Random random(1, "sparse bytes");
   std::int64_t time_ns = 0;
   for (int i = 0; i < 4000; ++i) {
-    bytes.push_back({time_ns += static_cast<std::int64_t>(random.uniform(2.0, 12.0) * ms), 1});
+    bytes.push_back({time_ns += static_cast<std::int64_t>(random.uniform(2.0, 12.0) * one_ms), 1});
     bytes.push_back({time_ns += 10'000, 2});
   }
   return bytes;
@@ -78,7 +78,7 @@ std::vector<TimedBytes> reads_of(const LinksWorld& world, std::string_view port 
   const auto bytes = sparse_bytes();
   UsbPath path({UsbLink::cdc}, 1, port, world);
   path.push(bytes);
-  return path.reads(bytes.back().time_ns + 1000 * ms);
+  return path.reads(bytes.back().time_ns + 1000 * one_ms);
 }
 
 /// How much later than in the honest world each message is read, in ms.
@@ -107,7 +107,7 @@ TEST(LinksWorld, JittersByItsHubTheSameOnAllPorts) {
   EXPECT_NEAR(median_of(delays), 1.5, 0.2);
   EXPECT_NEAR(quantile_of(delays, 0.9), 2.7, 0.2);
   const SharedBus bus({.hub_jitter_ms = 3.0}, 1), same({.hub_jitter_ms = 3.0}, 1);
-  for (std::int64_t time_ns = 0; time_ns < 1000 * ms; time_ns += 7 * ms)
+  for (std::int64_t time_ns = 0; time_ns < 1000 * one_ms; time_ns += 7 * one_ms)
     EXPECT_EQ(bus.behind_hub_ns(time_ns), same.behind_hub_ns(time_ns));
 }
 
@@ -116,7 +116,7 @@ std::vector<double> silences_end_s(const LinksWorld& world, std::string_view por
   const auto reads = reads_of(world, port);
   std::vector<double> ends;
   for (std::size_t i = 1; i < reads.size(); ++i)
-    if (reads[i].time_ns - reads[i - 1].time_ns > 60 * ms)
+    if (reads[i].time_ns - reads[i - 1].time_ns > 60 * one_ms)
       ends.push_back(1e-9 * static_cast<double>(reads[i].time_ns));
   return ends;
 }
@@ -198,7 +198,7 @@ TEST(LinksWorld, MovesBytesOfTheServoByItsBaudErrorBothWays) {
     world.links.baud_error = baud_error;
     ServoSide side(std::make_unique<ScriptedFirmware>(nullptr), 250000, 1, world);
     side.send(std::vector<std::uint8_t>(100, 7), 0);
-    return side.run_until(20 * ms).bytes.back().time_ns;
+    return side.run_until(20 * one_ms).bytes.back().time_ns;
   };
   // 100 bytes there, and the last one back
   EXPECT_NEAR(static_cast<double>(answers_end_ns(0.02)), 101.0 * 40000.0 / 1.02, 2000.0);
