@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "final_times.h"
-#include "ping_ledger.h"
 #include "shaft_turns.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/pipeline/final_times.h"
+#include "thermorig/pipeline/ping_ledger.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/pipeline/timing/mcu_time.h"
@@ -19,10 +19,6 @@
 #include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::pipeline {
-
-/// Seconds of the host's clock for each microsecond of the servo's, by two messages of telemetry, one after
-/// the other. Where a reset or an absence lies between them, as many as there should be.
-double host_s_per_us(const TimedServo& before, const TimedServo& now);
 
 /// Servo bytes to telemetry with its time, pongs, and the answers that the rig's servo link waits for.
 class ServoDecoder {

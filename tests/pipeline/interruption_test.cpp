@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "scripted_bytes.h"
+#include "thermorig/fit/fit.h"
 #include "thermorig/pipeline/causal_replay.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/replay.h"
@@ -52,13 +53,13 @@ Passed pass(const RawRecording& raw, const Fits& fits) {
 }
 
 Passed both_passes(const RawRecording& raw) {
-  const Fits fits = fit(raw, pass(raw, {}).streams);
+  const Fits fits = fit::fit_recording(raw, pass(raw, {}).streams);
   Passed passed = pass(raw, fits);
   passed.fits = fits;
   return passed;
 }
 
-bool has(const LabelledSample& sample, Reason reason) {
+bool has_reason(const LabelledSample& sample, Reason reason) {
   return (sample.reason_bits & bit(reason)) != 0;
 }
 
@@ -73,7 +74,7 @@ TEST(Interruption, OfTheCameraMarksTheFirstFrameThatComesAgain) {
     ASSERT_NE(first, frames.end());
     EXPECT_NEAR(first->missing_before, (back_s - gone_s) * 8.0, 1.5) << final_pass;
     const auto& sample = passed.samples.at(static_cast<std::size_t>(first - frames.begin()));
-    EXPECT_TRUE(has(sample, Reason::camera_gap));
+    EXPECT_TRUE(has_reason(sample, Reason::camera_gap));
     EXPECT_NE(sample.run, passed.samples.at(static_cast<std::size_t>(first - frames.begin()) - 1).run);
     for (auto next = first + 1; next != frames.end(); ++next) EXPECT_EQ(next->missing_before, 0);
   }

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pulse_period.h"
-
 namespace thermorig::labels {
 
 namespace {

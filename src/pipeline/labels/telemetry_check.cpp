@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "pulse_period.h"
+#include "thermorig/pipeline/labels/pulse_train.h"
 
 namespace thermorig::labels {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/pipeline/timing/ping_clock.h"
 
-#include "ping_epochs.h"
+#include "thermorig/pipeline/timing/ping_epochs.h"
 
 namespace thermorig::timing {
 namespace {

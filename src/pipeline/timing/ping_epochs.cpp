@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "ping_epochs.h"
+#include "thermorig/pipeline/timing/ping_epochs.h"
 
 #include <algorithm>
 #include <array>

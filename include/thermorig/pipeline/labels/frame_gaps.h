@@ -55,4 +55,8 @@ class LiveFrameGaps {
   std::size_t interval_count_ = 0;
 };
 
+/// Frames that an absence of the camera cost, between the last before it and the first after it: one at
+/// least, so that no run goes on over it.
+std::uint16_t missing_in_absence(HostTime last, HostTime first, double period_s);
+
 }  // namespace thermorig::labels

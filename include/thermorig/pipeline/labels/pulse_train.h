@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -10,6 +11,12 @@
 #include "thermorig/pipeline/labels/pulse_scale.h"
 
 namespace thermorig::labels {
+
+/// Of the servo's pulses, as a duration and in seconds; telemetry comes twice as often
+/// (protocols/servo_link.md, "Telemetry").
+inline constexpr HostDuration pulse_period = std::chrono::milliseconds(20);
+inline constexpr double pulse_period_s = 1e-6 * 20'000;
+inline constexpr std::int64_t message_us = 10'000;
 
 /// One pulse on the servo's pin.
 struct Pulse {

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "thermorig/core/profile.h"
@@ -62,20 +61,5 @@ class PingClock {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// The same over a whole recording, non-causal: the times of `mcu_us`, and a report with knots.
-///
-/// All three in the order of the stream; `mcu_us` are those of `sent` or some of them, and a step back of
-/// more than 0.2 s in it is a reset. The wander that each epoch's bounds allow for is at least twice what
-/// explains all of its messages, and more at both ends of the epoch, where the minute of the mean rate lies
-/// to one side. ClockReport::bound_wander_ppm is the largest, and 0 where nothing explains them. In an epoch
-/// without any exchange the bounds are those of a one-way clock: the lower end rests on
-/// PortProfile::largest_constant_delay_s. Times that nothing bounds have infinite uncertainty.
-struct PingFit {
-  std::vector<TimeEstimate> times;
-  ClockReport report;
-};
-PingFit fit_pings(std::span<const std::int64_t> mcu_us, std::span<const PingExchange> exchanges,
-                  std::span<const SentStamp> sent, const PortProfile& link);
 
 }  // namespace thermorig::timing

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/profile.h"
+#include "thermorig/pipeline/timing/ping_bounds.h"
+
+namespace thermorig::timing {
+
+/// Follows a servo's clock from bound to bound, leaves out what no clock explains, and begins a new epoch
+/// where bounds that agree with each other agree with the clock so far no more. A clock that wanders more
+/// than its profile says is no other clock: the wander that it is allowed grows until it explains the last
+/// minute.
+class PingEpochs {
+ public:
+  explicit PingEpochs(const PortProfile& link);
+
+  /// Bounds come in the order in which their messages did.
+  void feed(const PingBound& bound);
+
+  /// Bounds of the newest epoch's clock that are likely, and those that are sure: none before the first
+  /// bound, both from then on.
+  const PingBounds* likely() const { return current_ ? &*current_ : nullptr; }
+  const PingBounds* sure() const { return sure_ ? &*sure_ : nullptr; }
+  const std::vector<ClockEpoch>& epochs() const { return epochs_; }
+
+  /// Which bound, counted from 0 in the order of feed(), was the first of each epoch.
+  const std::vector<std::size_t>& first_bounds() const { return first_bounds_; }
+
+  /// Whether the bound that was fed last is one of the clock's, or in doubt.
+  bool doubted() const { return doubted_; }
+
+ private:
+  struct Rival {
+    PingBounds bounds;
+    PingFate fate;
+    std::size_t first;
+    HostTime begin;
+    std::string reason;
+    std::vector<PingBound> taken;
+  };
+  bool wanders_more(const PingBound& bound, PingFate fate);
+  std::optional<PingBounds> followed(const PingBound& bound, double wander) const;
+  void follow_surely();
+  void remember(const PingBound& bound);
+  void doubt(const PingBound& bound, PingFate fate);
+  void trust(const PingBound& bound);
+  void begin_epoch(Rival&& rival);
+  void impossible(PingBound bound);
+  std::string reason(const PingBound& bound, PingFate fate) const;
+
+  PortProfile link_;
+  double wander_;
+  std::size_t fed_ = 0;
+  std::optional<PingBounds> current_;
+  std::optional<PingBounds> sure_;  // of the same bounds, with room for what they may hide
+  std::deque<PingBound> recent_;    // of the clock so far: the last minute
+  int failed_searches_ = 0;         // for a wander that explains a bound, in this epoch
+  std::optional<Rival> rival_;
+  int impossible_ = 0;  // in a row
+  bool doubted_ = false;
+  std::vector<ClockEpoch> epochs_;
+  std::vector<std::size_t> first_bounds_;
+};
+
+/// Why bounds contradict each other by so little that no reset and no suspension explains it.
+std::string contradiction_reason(double missed_s, const PortProfile& link);
+
+/// "5.2 s", "0.31 ms": a duration as a person reads it.
+std::string duration_text(double seconds);
+
+}  // namespace thermorig::timing
