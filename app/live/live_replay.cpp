@@ -15,7 +15,7 @@
 #include "replay_progress.h"
 #include "sessions/session_files.h"
 #include "thermorig/io/port.h"
-#include "thermorig/pipeline/causal_replay.h"
+#include "thermorig/pipeline/replay.h"
 #include "thermorig/storage/session/session.h"
 
 namespace thermorig::app {

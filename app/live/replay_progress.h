@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "thermorig/core/raw_recording.h"
-#include "thermorig/pipeline/causal_replay.h"
+#include "thermorig/pipeline/replay.h"
 #include "thermorig/rig/recording/recording.h"
 
 namespace thermorig::app {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "thermorig/core/sample.h"
+#include "thermorig/pipeline/labels/exposure.h"
 #include "thermorig/pipeline/labels/frame_gaps.h"
-#include "thermorig/pipeline/labels/freshness.h"
 
 namespace thermorig::fit {
 

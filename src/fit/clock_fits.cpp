@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "message_spans.h"
 #include "ping_exchanges.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/fit/clocks/recorded_clock.h"

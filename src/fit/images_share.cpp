@@ -14,7 +14,6 @@ namespace thermorig::fit {
 
 namespace {
 
-constexpr double settled_after_s = 0.5;
 constexpr std::size_t most_legs = 24;
 constexpr std::size_t most_frames = 16;  // of a leg
 constexpr std::size_t fewest_looks = 3;  // that make a leg's median one
@@ -22,7 +21,6 @@ constexpr std::size_t fewest_legs = 3;
 constexpr double slowest_dps = 15.0;  // below it noise is much of the rate
 constexpr double told_share = 0.5;    // of the looks: else chance chooses which ones are told
 constexpr double worst_uncertainty = 0.1;
-constexpr double median_scatter = 1.25;  // of a median, by that of a mean
 
 struct LegView {
   Interval leg;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "message_spans.h"
 #include "thermorig/fit/clocks/recorded_clock.h"
 #include "thermorig/pipeline/ping_ledger.h"
 

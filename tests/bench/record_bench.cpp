@@ -21,6 +21,7 @@
 #include "thermorig/core/run_all.h"
 #include "thermorig/fit/fit.h"
 #include "thermorig/fit/motion/panorama_fit.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 #include "thermorig/fit/shaft/servo_response.h"
 #include "thermorig/io/files/part_file.h"
 #include "thermorig/pipeline/pipeline.h"

@@ -8,8 +8,6 @@
 
 #include "scripted_bytes.h"
 #include "thermorig/fit/fit.h"
-#include "thermorig/pipeline/causal_replay.h"
-#include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/replay.h"
 
 namespace thermorig::pipeline {

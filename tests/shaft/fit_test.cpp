@@ -8,6 +8,7 @@
 #include "labels/scripted_rig.h"
 #include "simulation/servo_side.h"
 #include "thermorig/core/validity.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 #include "thermorig/fit/shaft/servo_response.h"
 #include "thermorig/pipeline/labels/exposure.h"
 #include "thermorig/pipeline/pipeline.h"

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "labels/scripted_rig.h"
-#include "thermorig/fit/shaft/gyro_filter.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 
 namespace thermorig::fit {
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "labels/scripted_rig.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 #include "thermorig/fit/shaft/servo_response.h"
 
 namespace thermorig::fit {

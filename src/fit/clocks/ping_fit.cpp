@@ -15,7 +15,7 @@
 #include "thermorig/core/statistics.h"
 #include "thermorig/core/sync.h"
 #include "thermorig/pipeline/timing/ping_bounds.h"
-#include "thermorig/pipeline/timing/ping_epochs.h"
+#include "thermorig/pipeline/timing/ping_clock.h"
 
 namespace thermorig::fit {
 

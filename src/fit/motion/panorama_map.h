@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "column_pixels.h"
+#include "pixel_model.h"
 
 namespace thermorig::motion {
 

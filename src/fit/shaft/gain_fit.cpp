@@ -32,7 +32,7 @@ constexpr double least_ripple = 0.001;       // of the speed; smaller ones matte
 constexpr std::size_t most_searches = 6;
 constexpr double first_deviation_dps = 0.5;
 constexpr double least_deviation_dps = 0.03;
-constexpr double outlier = 5.0;
+constexpr double outlying = 5.0;
 constexpr double least_ratio_error = 3e-4;  // what the model lacks does not average out for ever
 constexpr std::size_t least_windows = 20;
 
@@ -247,7 +247,7 @@ std::optional<LeastSquares> equations_without_outliers(std::vector<Window>& used
   for (int round = 0; round < rounds; ++round) {
     const std::vector<double> x = equations.solve();
     const double deviation_dps = std::max(robust_deviation(residuals_dps(used, x), 0.0), least_deviation_dps);
-    const double limit = outlier * deviation_dps;
+    const double limit = outlying * deviation_dps;
     std::erase_if(used, [&](const Window& window) { return std::abs(residual_dps(window, x)) > limit; });
     if (used.size() < least_windows) return std::nullopt;
     equations = equations_of(used, deviation_dps, bias_uncertainty_dps);

@@ -11,7 +11,7 @@
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/sync.h"
 #include "thermorig/fit/shaft/intervals.h"
-#include "thermorig/pipeline/labels/pulse_scale.h"
+#include "thermorig/pipeline/labels/pulse_train.h"
 
 namespace thermorig::fit {
 

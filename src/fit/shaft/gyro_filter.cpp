@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/fit/shaft/gyro_filter.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,6 @@ namespace thermorig::fit {
 namespace {
 
 constexpr double second_order_delay = GyroProfile::second_order_delay;
-constexpr double even_after_s = 0.5;  // a shaft follows a change of its speed
 constexpr std::size_t segment = 128;  // samples of one spectrum
 constexpr std::size_t lines = segment / 2;
 constexpr std::size_t first_line = 2;                // below it the bias wanders
@@ -81,7 +80,7 @@ std::vector<AxisSegment> segments_of(std::span<const TimedGyro> gyro, std::span<
   for (const Interval& even : steady_intervals(servo, origin, heard.rests)) {
     const auto end = std::lower_bound(gyro.begin(), gyro.end(),
                                       origin + from_s(std::max(even.begin_s, even.end_s)), before);
-    auto at = std::lower_bound(gyro.begin(), end, origin + from_s(even.begin_s + even_after_s), before);
+    auto at = std::lower_bound(gyro.begin(), end, origin + from_s(even.begin_s + settled_after_s), before);
     for (; end - at >= static_cast<std::ptrdiff_t>(segment); at += segment) {
       const std::span part(at, segment);
       if (std::abs(length_s(part) / period_s - (segment - 1.0)) > 0.5) continue;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "first_after.h"
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/statistics.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/fit/shaft/gyro_rests.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "least_squares.h"
-#include "low_pass.h"
 #include "thermorig/core/statistics.h"
 
 namespace thermorig::fit {

@@ -13,12 +13,10 @@ namespace thermorig::fit {
 
 namespace {
 
-constexpr double settled_after_s = 0.5;
 constexpr double slope_error = 0.006;            // relative: a servo's along the part of its travel
 constexpr double continuous_slope_error = 0.04;  // its speed against the pulse is no straight line
 constexpr double floor_dps = 0.3;
 constexpr double slowest_share_dps = 15.0;  // below it a bias matters more than the servo
-constexpr double median_scatter = 1.25;     // of a median, by that of a mean
 constexpr double caught_up_s = 1.0;         // beside the time for the angle that it lags behind
 
 struct Sum {

@@ -11,7 +11,6 @@
 #include "gain_fit.h"
 #include "gyro_integral.h"
 #include "loop_fit.h"
-#include "low_pass.h"
 #include "reached_speeds.h"
 #include "shaft_curve.h"
 #include "thermorig/core/statistics.h"

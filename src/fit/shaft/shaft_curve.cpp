@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "first_after.h"
+#include "gyro_integral.h"
 #include "thermorig/pipeline/labels/label_config.h"
 #include "thermorig/pipeline/labels/shaft_track.h"
 

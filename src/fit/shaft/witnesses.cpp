@@ -24,7 +24,6 @@ namespace {
 constexpr double least_scale_uncertainty = 0.01;
 // A scene 1.5 m away turns past a camera that sits 5 cm off the axis as if the lens were 3 % wider.
 constexpr double parallax = 0.03;
-constexpr double settled_after_s = 0.5;
 constexpr double most_saturated = 0.05;  // of the samples: beyond it no mean says how fast the shaft turns
 constexpr double nothing = 0.02;         // share of the rate that another axis shows (MPU-6000, table 6.1)
 constexpr double most_lean_deg = 10.0;   // as a board is glued by hand; it costs 1.5 % of the rate

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "thermorig/fit/shaft/gyro_filter.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 
 namespace thermorig::calibration {
 

@@ -8,7 +8,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/fit/motion/panorama_fit.h"
-#include "thermorig/fit/shaft/servo_response.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 #include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <span>
 
-#include "thermorig/fit/shaft/servo_response.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 #include "thermorig/fit/shaft/witnesses.h"
 
 namespace thermorig::rig {

@@ -13,6 +13,12 @@ namespace thermorig::fit {
 
 using labels::constant_dps, labels::unknown_bias_dps;
 
+/// A shaft follows a change of its speed within that.
+inline constexpr double settled_after_s = 0.5;
+
+/// Scatter of a median, by that of a mean.
+inline constexpr double median_scatter = 1.25;
+
 /// Part of a recording, in seconds from an origin.
 struct Interval {
   double begin_s = 0.0;

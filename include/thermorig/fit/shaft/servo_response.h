@@ -9,18 +9,6 @@
 
 namespace thermorig::fit {
 
-/// The gyro's errors as far as a recording and the profile tell: bias from the stretches in which the servo
-/// has long been at rest, scale from the profile, runs of exact zeros.
-GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
-                           const GyroProfile& profile);
-
-/// By which share of the commanded speed a gyro's rate falls in a second while the shaft turns at one speed:
-/// the filter of a device that fuses its sensors takes a steady turn for a bias (HWT905 and others). 0: it is
-/// not seen. What a servo's slope changes along its travel is of the other sign the other way, and one that
-/// is too weak for the faster half of the speeds says nothing: both directions of the slower half count.
-double gyro_decay_per_s(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
-                        const GyroErrors& errors);
-
 /// How the shaft follows the pulses, by the corrected gyro: delay and bandwidth from ramps and reversals; the
 /// scale is the mean of what profile and gyro say, by how well each is known. Residuals are means over
 /// `frame_period_s`, of the legs only. Speeds at which the shaft turns otherwise than commanded take no part

@@ -10,7 +10,7 @@
 #include "thermorig/core/sample.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/core/time.h"
-#include "thermorig/pipeline/labels/freshness.h"
+#include "thermorig/pipeline/labels/exposure.h"
 
 namespace thermorig::labels {
 

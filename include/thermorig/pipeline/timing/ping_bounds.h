@@ -9,9 +9,22 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sync.h"
 #include "thermorig/core/time.h"
-#include "thermorig/pipeline/timing/ping_clock.h"
 
 namespace thermorig::timing {
+
+/// One answered ping: bounds from both sides. Wire times are taken off already, as short as they can be.
+struct PingExchange {
+  std::int64_t receive_us = 0;  // micro-controller, unwrapped: the ping's last byte was in
+  HostTime not_before{};  // receive_us is not before it: host time before write(), plus the ping's wire time
+  std::int64_t send_us = 0;  // the answer's first byte was handed to the transmitter
+  HostTime not_after{};      // send_us is not after it: the answer's arrival minus its wire time
+};
+
+/// One message whose sending time the micro-controller stamped (telemetry): a bound from above alone.
+struct SentStamp {
+  std::int64_t send_us = 0;
+  HostTime not_after{};
+};
 
 // A clock is written as the offset d(m), host time minus micro-controller time in seconds, over
 // micro-controller time m. What is assumed of it, and all that the bounds rest on:

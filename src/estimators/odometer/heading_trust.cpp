@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "map_check.h"
+#include "heading_trust.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,6 +8,27 @@
 
 namespace thermorig::odometer {
 
+/// Innovations of late, squared: a running mean of what they are of what was expected, about 1. One counts
+/// with `most` at most.
+inline constexpr double most_nis = 60.0;
+inline void learn_nis(const HalfResult& result, double& mean, double most = most_nis) {
+  constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
+  if (result.is_judged) mean += nis_share * (std::min(most, result.squared) - mean);
+}
+inline constexpr double lost_nis = 8.0;  // then the heading is lost
+
+/// Of the mean square of innovations, of which one counts with `most` at most.
+struct NisBounds {
+  double settled, fits, unfit, lost;  // not trusted from `unfit` on until it `fits`
+  double most;
+};
+inline constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis, most_nis};  // where nothing moves but the rig
+// There the share of the halves counts that do not fit: how badly they do tells of what moves.
+inline constexpr NisBounds nis_in_traffic{4.5, 4.0, 5.5, 7.0, 9.0};
+constexpr const NisBounds& nis_bounds(bool things_move) {
+  return things_move ? nis_in_traffic : nis_at_rest;
+}
+
 /// How large innovations are, of a pass through the halves of the start or of late: whether a map is a false
 /// one, and whether something else than the rig moves.
 class InnovationCount {
@@ -69,6 +90,39 @@ class InnovationCount {
 
   int judged_ = 0, far_ = 0, large_ = 0, huge_ = 0;
   int large_and_far_ = 0, positive_ = 0, with_turn_ = 0;  // of the large ones
+};
+
+/// The mean innovation of the last two seconds, with its sign: where it is far from zero, what was learnt of
+/// the sensors is wrong.
+class MeanInnovation {
+ public:
+  /// Of a rig that turns so fast by now.
+  void begin(double rate_dps) {
+    mean_ = 0.0;
+    mean_rate_dps_ = rate_dps;
+  }
+  void add(const HalfResult& result) {
+    mean_rate_dps_ += share * (result.rate_dps - mean_rate_dps_);
+    mean_ += share * (std::copysign(std::sqrt(result.squared), result.innovation_deg) - mean_);
+  }
+  /// Something was done about it.
+  void forget() { mean_ = 0.0; }
+
+  bool is_one_sided(bool things_move) const {
+    return std::abs(mean_) >= (things_move ? most_in_traffic : most);
+  }
+  /// The rig turned at another speed than now within the same time: what depends on the speed shows then.
+  bool came_with_other_speed(double rate_dps) const {
+    return std::abs(rate_dps - mean_rate_dps_) > other_speed_dps;
+  }
+
+ private:
+  static constexpr double share = 1.0 / 16.0;
+  static constexpr double most = 0.7, most_in_traffic = 1.0;  // innovations, in units of what was expected
+  static constexpr double other_speed_dps = 10.0;
+
+  double mean_ = 0.0;  // with their signs
+  double mean_rate_dps_ = 0.0;
 };
 
 }  // namespace thermorig::odometer
