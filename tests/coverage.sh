@@ -7,7 +7,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 least=95
-modules=(wire sensors timing labels journal session)
+modules=(wire sensors timing labels clocks shaft journal session)
 missing="" counted=""
 build=build-asan
 counts=$build/coverage

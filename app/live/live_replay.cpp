@@ -16,7 +16,7 @@
 #include "sessions/session_files.h"
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/io/port.h"
-#include "thermorig/pipeline/causal_replay.h"
+#include "thermorig/pipeline/replay.h"
 #include "thermorig/rig/recording/recording.h"
 #include "thermorig/rig/sweep/plan.h"
 #include "thermorig/storage/session/session.h"

@@ -12,6 +12,15 @@ namespace {
 constexpr float coarsest_dps = 0.07F;
 }  // namespace
 
+bool RepeatedReading::add(const GyroReading& reading, HostTime time) {
+  const bool repeats = last_ && reading.rate_dps == last_->rate_dps;
+  if (!repeats) restart(time);
+  if (repeats) ++repeats_;
+  last_ = reading;
+  time_ = time;
+  return repeats;
+}
+
 void AutoZero::add(const GyroReading& reading) {
   const std::array<float, 3>& rate_dps = reading.rate_dps;
   for (std::size_t axis = 0; axis < rate_dps.size(); ++axis) {

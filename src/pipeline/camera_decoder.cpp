@@ -3,8 +3,6 @@
 
 #include <utility>
 
-#include "camera_rhythm.h"
-
 namespace thermorig::pipeline {
 
 namespace {
@@ -41,7 +39,7 @@ labels::FrameGap CameraDecoder::gap_before(const TimedFrame& frame, labels::Halv
 
 labels::FrameGap CameraDecoder::gap_of_absence(const TimedFrame& frame) {
   if (!last_frame_) return {};
-  return {.missing = missing_in_absence(*last_frame_, frame.stamp.time, period_s_), .late = false};
+  return {.missing = labels::missing_in_absence(*last_frame_, frame.stamp.time, period_s_), .late = false};
 }
 
 std::span<const TimedFrame> CameraDecoder::interrupt(std::vector<TimedFrame>& out) {

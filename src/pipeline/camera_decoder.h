@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "final_times.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/pipeline/final_times.h"
 #include "thermorig/pipeline/labels/exposure.h"
 #include "thermorig/pipeline/labels/frame_gaps.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -17,9 +17,6 @@
 #include "thermorig/sensors/camera_protocol.h"
 
 namespace thermorig::pipeline {
-
-/// Exposures by what a first pass found, else by the profile.
-labels::ExposureRule exposure_rule(const CameraProfile& profile, const Fits& fits);
 
 /// Camera bytes to frames with their time and exposure.
 class CameraDecoder {

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "final_times.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
+#include "thermorig/pipeline/final_times.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/pipeline/timing/own_time.h"

@@ -1,7 +1,43 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/pipeline/replay.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace thermorig::pipeline {
+
+namespace {
+constexpr std::size_t most_breaks =
+    255;  // a file may claim any number, and each piece costs a walk over its chunks
+}  // namespace
+
+bool is_interruption(const RecordingEvent& event) {
+  return event.source && (event.kind == EventKind::device_lost || event.kind == EventKind::missing);
+}
+
+std::vector<Interruption> interruptions(const RawRecording& raw) {
+  std::vector<Interruption> found;
+  for (const RecordingEvent& event : raw.events)
+    if (is_interruption(event)) found.push_back({*event.source, event.time});
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Interruption& a, const Interruption& b) { return a.time < b.time; });
+  return found;
+}
+
+std::vector<std::uint64_t> break_offsets(const RawRecording& raw, Device device) {
+  const RawStream& stream = raw.received[device];
+  std::vector<std::uint64_t> offsets;
+  std::size_t chunk = 0;
+  for (const Interruption& interruption : interruptions(raw)) {
+    if (interruption.device != device) continue;
+    while (chunk < stream.chunk_count() && stream.time(chunk) <= interruption.time) ++chunk;
+    if (chunk == 0 || chunk == stream.chunk_count()) continue;
+    const std::uint64_t offset = stream.chunk_end[chunk - 1];
+    if (offsets.size() == most_breaks) break;
+    if (offsets.empty() || offsets.back() < offset) offsets.push_back(offset);
+  }
+  return offsets;
+}
 
 namespace {
 
@@ -46,6 +82,31 @@ std::vector<Measurement> feed(Pipeline& pipeline, const ReplayStep& step) {
   if (step.from) return pipeline.feed(*step.from, step.bytes, step.time);
   pipeline.sent(*step.to, step.bytes, step.time);
   return {};
+}
+
+namespace {
+
+std::optional<HostTime> camera_gone(const RawRecording& raw) {
+  for (const RecordingEvent& event : raw.events)
+    if (event.kind == EventKind::missing && event.source == Device::camera) return event.time;
+  return std::nullopt;
+}
+
+}  // namespace
+
+CausalReplay::CausalReplay(const RawRecording& raw)
+    : end_time_(raw.end_time), replay_(raw), pipeline_(raw.header.profile), camera_gone_(camera_gone(raw)) {}
+
+std::optional<ReplayMoment> CausalReplay::next() {
+  if (const auto step = replay_.next()) {
+    if (camera_gone_ && step->time > *camera_gone_)
+      pipeline_.stand_in_for_camera(*std::exchange(camera_gone_, std::nullopt));
+    std::vector<Measurement> measurements = feed(pipeline_, *step);
+    return ReplayMoment{step->time, step->from, pipeline_.take_streams(), std::move(measurements)};
+  }
+  if (std::exchange(ended_, true)) return std::nullopt;
+  std::vector<Measurement> measurements = pipeline_.finish();
+  return ReplayMoment{end_time_, std::nullopt, pipeline_.take_streams(), std::move(measurements)};
 }
 
 }  // namespace thermorig::pipeline

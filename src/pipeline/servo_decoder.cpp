@@ -27,13 +27,6 @@ std::int64_t since_telemetry_us(const TimedServo& telemetry, std::uint32_t mcu_u
 
 }  // namespace
 
-double host_s_per_us(const TimedServo& before, const TimedServo& now) {
-  constexpr double most_off = 0.03;
-  const auto us = static_cast<double>(now.mcu_time_us - before.mcu_time_us);
-  const double share = us > 0.0 ? to_s(now.stamp.time - before.stamp.time) / (us * 1e-6) : 0.0;
-  return std::abs(share - 1.0) < most_off ? share * 1e-6 : 1e-6;
-}
-
 ServoDecoder::ServoDecoder(const ServoProfile& profile, const EncoderProfile& encoder, const Fits& fits)
     : link_(profile.link),
       scanner_(protocol_of(profile).scanner(profile)),

@@ -21,6 +21,7 @@
 #include "storage/session/session_image.h"
 #include "thermorig/estimators/live/live_estimates.h"
 #include "thermorig/estimators/live/scores.h"
+#include "thermorig/fit/fit.h"
 #include "thermorig/network/trainer.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/replay.h"
@@ -82,7 +83,7 @@ void count_session(const RawRecording& raw) {
   count("bytes_to_labels", [&] { measurements_of(raw); });
   count("bytes_to_messages", [&] { messages_of(raw); });
   const pipeline::Streams streams = messages_of(raw);
-  count("fits", [&] { pipeline::fit(raw, streams); });
+  count("fits", [&] { fit::fit_recording(raw, streams); });
   const session::Session session = rig::build_session(raw);
   count("session_to_file_image", [&] { session::build_image(session, 1); });
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "thermorig/core/statistics.h"
-#include "thermorig/pipeline/causal_replay.h"
+#include "thermorig/pipeline/replay.h"
 #include "timing_truth.h"
 
 namespace thermorig::bench {

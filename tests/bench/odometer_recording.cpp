@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "thermorig/pipeline/causal_replay.h"
+#include "thermorig/pipeline/replay.h"
 
 namespace thermorig::bench {
 namespace {

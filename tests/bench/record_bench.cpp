@@ -19,9 +19,11 @@
 
 #include "storage/session/session_image.h"
 #include "thermorig/core/run_all.h"
+#include "thermorig/fit/fit.h"
+#include "thermorig/fit/motion/panorama_fit.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
+#include "thermorig/fit/shaft/servo_response.h"
 #include "thermorig/io/files/part_file.h"
-#include "thermorig/pipeline/labels/servo_response.h"
-#include "thermorig/pipeline/motion/panorama_fit.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/replay.h"
 #include "thermorig/rig/recording/finalise.h"
@@ -120,7 +122,7 @@ void FitsOfSession(benchmark::State& state) {
     state.PauseTiming();
     pipeline::Streams copy = streams;
     state.ResumeTiming();
-    benchmark::DoNotOptimize(pipeline::fit(raw, std::move(copy), on_all_cores));
+    benchmark::DoNotOptimize(fit::fit_recording(raw, std::move(copy), on_all_cores));
   }
 }
 BENCHMARK(FitsOfSession)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
@@ -130,10 +132,10 @@ struct Finished {
   session::Session session = rig::build_session(recording());
   const RigProfile& profile = session.raw.header.profile;
   motion::View view{profile.camera.lens_width_deg(), profile.camera.mirrored};
-  GyroErrors errors = labels::fit_gyro_errors(session.gyro, session.servo, profile.gyro);
+  GyroErrors errors = fit::fit_gyro_errors(session.gyro, session.servo, profile.gyro);
 
   ServoResponse fit_servo() {
-    return labels::fit_servo_response(session.servo, session.gyro, errors, profile.servo);
+    return fit::fit_servo_response(session.servo, session.gyro, errors, profile.servo);
   }
 };
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "servo_link.h"
+#include "thermorig/fit/fit.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/pipeline/timing/mcu_time.h"
@@ -183,7 +184,7 @@ Errors judge_camera(const Recorded& recorded, const std::vector<TimeEstimate>& f
 
 PerDevice<Errors> judge(const simulation::VirtualRigConfig& config, double duration_s) {
   const Recorded recorded = record(config, {}, duration_s);
-  const pipeline::Fits fits = pipeline::fit(recorded.raw, recorded.live);
+  const pipeline::Fits fits = fit::fit_recording(recorded.raw, recorded.live);
   PerDevice<Errors> errors;
   const HostTime from = config.start + judged_after;
   errors[Device::camera] = judge_camera(recorded, fits.times[Device::camera], from);

@@ -12,6 +12,7 @@
 #include "simulation/random.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/run_all.h"
+#include "thermorig/fit/fit.h"
 #include "thermorig/rig/calibration/calibration.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "timing_rig.h"
@@ -234,7 +235,7 @@ void add_camera_offset(const TableSize& size, std::vector<Figure>& figures) {
     for (int i = 0; i < 30; ++i)
       legs.push_back({6.0 + 2.0 * i, 1.9, (i % 2 == 0 ? 1.0 : -1.0) * (60.0 + 2.0 * i)});
     const Recorded recorded = record(config, legs, 72.0);
-    const pipeline::Fits fits = pipeline::fit(recorded.raw, recorded.live);
+    const pipeline::Fits fits = fit::fit_recording(recorded.raw, recorded.live);
     if (!fits.sync || !fits.sync->camera_offset.offset_s) return;
     const Estimate offset = *fits.sync->camera_offset.offset_s;
     errors_s[index] = offset.value - (camera_more_s - gyro_more_s);

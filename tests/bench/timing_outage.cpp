@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "thermorig/core/run_all.h"
+#include "thermorig/fit/fit.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "timing_clocks.h"
 #include "timing_errors.h"
@@ -32,7 +33,7 @@ Outcome lose_camera(const TableLink& link, std::uint64_t seed, double duration_s
   const HostTime end = begin + seconds(30);
   config.outages = {{.device = Device::camera, .begin = begin, .end = end}};
   const Recorded recorded = record(config, {}, duration_s);
-  const pipeline::Fits fits = pipeline::fit(recorded.raw, recorded.live);
+  const pipeline::Fits fits = fit::fit_recording(recorded.raw, recorded.live);
   const auto& times = fits.times[Device::camera];
   Outcome outcome;
   outcome.fitted = !times.empty() && times.size() == recorded.live.frames.size();

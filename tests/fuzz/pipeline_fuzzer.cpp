@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "../support/telemetry_bytes.h"
+#include "thermorig/fit/fit.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/sensors/wire/device_bytes.h"
 
@@ -144,6 +145,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     chunks.push_back(next_chunk(script, now));
     raw.received[chunks.back().device].append(chunks.back().bytes, now);
   }
-  decode(chunks, pipeline::fit(raw, decode(chunks, {})));
+  decode(chunks, fit::fit_recording(raw, decode(chunks, {})));
   return 0;
 }

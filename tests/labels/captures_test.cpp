@@ -14,18 +14,18 @@
 namespace thermorig::labels {
 namespace {
 
-constexpr double period_s = 0.125;
+constexpr double captured_period_s = 0.125;
 
 /// Which halves are fresh, a letter a frame: 'E'ven, 'O'dd, 'B'oth, 'N'one; lower case where it is stale.
 std::string fresh_halves(const std::vector<Freshness>& frames, CameraMode* mode) {
-  ExposureRule rule(period_s);
+  ExposureRule rule(captured_period_s);
   std::string result;
   HostTime time{};
   for (const Freshness& fresh : frames) {
     TimedFrame timed;
     timed.fresh_even = fresh.even;
     timed.fresh_odd = fresh.odd;
-    timed.stamp.time = time += from_s(period_s);
+    timed.stamp.time = time += from_s(captured_period_s);
     rule.apply(timed);
     const char letter = fresh.both_fresh() ? 'B' : fresh.none_fresh() ? 'N' : fresh.even_fresh() ? 'E' : 'O';
     result += static_cast<char>(timed.stale ? letter + ('a' - 'A') : letter);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/pipeline/labels/freshness.h"
+#include "thermorig/pipeline/labels/exposure.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/labels/shaft_model.h"
 #include "thermorig/core/sync.h"
 
 namespace thermorig::labels {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "estimators/likelihood/earlier_rates.h"
+#include "estimators/likelihood/speed_search.h"
 
 #include <gtest/gtest.h>
 

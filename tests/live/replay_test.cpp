@@ -4,7 +4,7 @@
 #include "../support/same_row.h"
 #include "causal_run.h"
 #include "thermorig/estimators/live/live_estimates.h"
-#include "thermorig/pipeline/causal_replay.h"
+#include "thermorig/pipeline/replay.h"
 
 namespace thermorig::live {
 namespace {

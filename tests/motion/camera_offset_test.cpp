@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "thermorig/pipeline/motion/panorama_fit.h"
+#include "thermorig/fit/motion/panorama_fit.h"
 #include "turning_rig.h"
 
 namespace thermorig::motion {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/motion/contest.h"
+#include "fit/motion/contest.h"
 
 #include <gtest/gtest.h>
 

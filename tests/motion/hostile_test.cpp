@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "thermorig/pipeline/motion/panorama_fit.h"
+#include "thermorig/fit/motion/panorama_fit.h"
 #include "turning_rig.h"
 
 namespace thermorig::motion {

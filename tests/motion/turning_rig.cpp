@@ -8,7 +8,7 @@
 #include <iterator>
 #include <random>
 
-#include "thermorig/pipeline/labels/freshness.h"
+#include "thermorig/pipeline/labels/exposure.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/sensors/wire/servo_messages.h"
 #include "thermorig/simulation/firmware.h"

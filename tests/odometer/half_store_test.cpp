@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "estimators/odometer/half_store.h"
+#include "estimators/odometer/mosaic.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "estimators/odometer/plausibility.h"
+#include "estimators/odometer/start.h"
 
 #include <gtest/gtest.h>
 

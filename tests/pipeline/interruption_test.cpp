@@ -7,8 +7,7 @@
 #include <cmath>
 
 #include "scripted_bytes.h"
-#include "thermorig/pipeline/causal_replay.h"
-#include "thermorig/pipeline/interruptions.h"
+#include "thermorig/fit/fit.h"
 #include "thermorig/pipeline/replay.h"
 
 namespace thermorig::pipeline {
@@ -52,7 +51,7 @@ Passed pass(const RawRecording& raw, const Fits& fits) {
 }
 
 Passed both_passes(const RawRecording& raw) {
-  const Fits fits = fit(raw, pass(raw, {}).streams);
+  const Fits fits = fit::fit_recording(raw, pass(raw, {}).streams);
   Passed passed = pass(raw, fits);
   passed.fits = fits;
   return passed;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/ping_ledger.h"
+#include "thermorig/pipeline/ping_ledger.h"
 
 #include <gtest/gtest.h>
 

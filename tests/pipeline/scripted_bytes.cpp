@@ -7,6 +7,7 @@
 
 #include "support/at_s.h"
 #include "support/telemetry_bytes.h"
+#include "thermorig/fit/fit.h"
 #include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/sensors/wire/device_bytes.h"
 #include "thermorig/sensors/wire/servo_messages.h"
@@ -145,7 +146,7 @@ Fits first_pass(const RigProfile& profile, const std::vector<Chunk>& chunks, con
   raw.header.profile = profile;
   raw.sent[Device::servo] = sent;
   for (const Chunk& chunk : chunks) raw.received[chunk.device].append(chunk.bytes, chunk.arrived);
-  return fit(raw, run(profile, chunks, {}, sent).streams, run_all);
+  return fit::fit_recording(raw, run(profile, chunks, {}, sent).streams, run_all);
 }
 
 }  // namespace thermorig::pipeline

@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 
+#include "thermorig/fit/fit.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/simulation/virtual_rig.h"
 
@@ -83,7 +84,7 @@ HeardGyro hear_gyro(const simulation::VirtualRigConfig& config, double until_s,
   HeardGyro heard{.samples = pipeline.counters(Device::gyro).messages,
                   .lost_live = pipeline.counters(Device::gyro).lost,
                   .gaps = {}};
-  heard.gaps = fit(raw, pipeline.take_streams()).sync->clock[Device::gyro].gaps;
+  heard.gaps = fit::fit_recording(raw, pipeline.take_streams()).sync->clock[Device::gyro].gaps;
   return heard;
 }
 

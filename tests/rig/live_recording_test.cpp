@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "simulated_bus.h"
-#include "thermorig/pipeline/causal_replay.h"
+#include "thermorig/pipeline/replay.h"
 #include "thermorig/rig/recording/recording.h"
 
 namespace thermorig::rig::test {

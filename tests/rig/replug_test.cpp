@@ -9,7 +9,7 @@
 
 #include "simulated_bus.h"
 #include "support/at_s.h"
-#include "thermorig/pipeline/interruptions.h"
+#include "thermorig/pipeline/replay.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/sensors/wire/servo_messages.h"
 

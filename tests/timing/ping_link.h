@@ -2,13 +2,16 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <random>
 #include <vector>
 
+#include "thermorig/core/profile.h"
 #include "thermorig/pipeline/timing/ping_clock.h"
 
 namespace thermorig::timing {
@@ -114,6 +117,113 @@ void feed(PingClock& clock, const PingTraffic& traffic, Look look) {
     clock.sent(stamp);
     look(stamp.send_us);
   }
+}
+
+inline PortProfile servo_link() {
+  return ServoProfile{}.link;
+}
+
+struct ServoScore {
+  double p99_s = 0.0;
+  double widest_s = 0.0;
+  int violations = 0;
+};
+
+/// Errors and bounds of `times` from `from_s` on.
+inline ServoScore judge(const std::vector<std::int64_t>& mcu_us, const std::vector<TimeEstimate>& times,
+                        const QuartzClock& clock, double from_s) {
+  std::vector<double> errors_s;
+  ServoScore score;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double mcu_s = 1e-6 * static_cast<double>(mcu_us[i]);
+    if (mcu_s < from_s) continue;
+    const double late_s = 1e-9 * static_cast<double>(to_ns(times[i].time)) - clock.host_s(mcu_s);
+    errors_s.push_back(std::abs(late_s));
+    score.widest_s = std::max(score.widest_s, static_cast<double>(times[i].earlier_s + times[i].later_s));
+    score.violations += late_s > static_cast<double>(times[i].earlier_s) + 2e-9 ||
+                        -late_s > static_cast<double>(times[i].later_s) + 2e-9;
+  }
+  std::sort(errors_s.begin(), errors_s.end());
+  score.p99_s = errors_s.empty() ? 1.0 : errors_s[errors_s.size() * 99 / 100];
+  return score;
+}
+
+/// Everything of a second recording after a first one, its host times shifted by `host_shift_s` and its
+/// micro-controller's by `mcu_shift_us`.
+inline void append(PingTraffic& to, const PingTraffic& more, double host_shift_s, std::int64_t mcu_shift_us) {
+  const HostDuration host_shift = from_s(host_shift_s);
+  for (const std::int64_t mcu_us : more.mcu_us) to.mcu_us.push_back(mcu_us + mcu_shift_us);
+  for (const SentStamp& stamp : more.sent)
+    to.sent.push_back({stamp.send_us + mcu_shift_us, stamp.not_after + host_shift});
+  for (const PingExchange& exchange : more.exchanges)
+    to.exchanges.push_back({exchange.receive_us + mcu_shift_us, exchange.not_before + host_shift,
+                            exchange.send_us + mcu_shift_us, exchange.not_after + host_shift});
+}
+
+/// The same traffic on a host whose clock runs off by `ahead_s`(time) from the true one.
+template <typename Ahead>
+PingTraffic on_host(PingTraffic traffic, Ahead ahead_s) {
+  const auto shown = [&](HostTime time) { return time + from_s(ahead_s(to_s(time.time_since_epoch()))); };
+  for (SentStamp& stamp : traffic.sent) stamp.not_after = shown(stamp.not_after);
+  for (PingExchange& exchange : traffic.exchanges) {
+    exchange.not_before = shown(exchange.not_before);
+    exchange.not_after = shown(exchange.not_after);
+  }
+  return traffic;
+}
+
+/// Clocks against which the micro-controller's wanders far more than a quartz does: the host's is slewed for
+/// two minutes in four, or the micro-controller has a resonator that warms up, or one in a draught.
+struct Wandering {
+  const char* name;
+  double (*ahead_s)(double at_s);
+};
+
+inline const std::array<Wandering, 5> wandering{{
+    {"slewed forward", [](double at_s) { return slewed_s(at_s, 500e-6) - at_s; }},
+    {"slewed back", [](double at_s) { return slewed_s(at_s, -500e-6) - at_s; }},
+    {"warms up", [](double at_s) { return 300e-6 * 120.0 * (1.0 - std::exp(-at_s / 120.0)); }},
+    {"cools down", [](double at_s) { return -300e-6 * 120.0 * (1.0 - std::exp(-at_s / 120.0)); }},
+    {"waves", [](double at_s) { return 40e-6 * 60.0 / 6.283 * std::sin(6.283 * at_s / 60.0); }},
+}};
+
+/// Violations of the bounds, by the host's own clock.
+inline int violations_on(const std::vector<std::int64_t>& mcu_us, const std::vector<TimeEstimate>& times,
+                         const QuartzClock& clock, double (*ahead_s)(double)) {
+  int violations = 0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double true_s = clock.host_s(1e-6 * static_cast<double>(mcu_us[i]));
+    const double late_s = to_s(times[i].time.time_since_epoch()) - true_s - ahead_s(true_s);
+    violations += late_s > static_cast<double>(times[i].earlier_s) + 2e-9 ||
+                  -late_s > static_cast<double>(times[i].later_s) + 2e-9;
+  }
+  return violations;
+}
+
+/// Ten minutes of it, behind a latency timer or none.
+inline PingTraffic wild_traffic(const Wandering& one, double timer_s) {
+  const LinkOptions options{
+      .seed = 14, .duration_s = 600.0, .latency_timer_s = timer_s, .dither_s = timer_s > 0.0 ? 0.020 : 0.003};
+  return on_host(traffic(options), one.ahead_s);
+}
+
+/// Messages with every pair of values that breaks a sum.
+struct HostileTraffic {
+  std::vector<std::int64_t> values;
+  std::vector<PingExchange> exchanges;
+  std::vector<SentStamp> sent;
+};
+
+inline HostileTraffic hostile_traffic() {
+  constexpr std::int64_t least = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
+  HostileTraffic hostile{{least, most, 0, -1, 4'294'967'295, least, 1, most, most}, {}, {}};
+  for (const std::int64_t a : hostile.values)
+    for (const std::int64_t b : hostile.values) {
+      hostile.exchanges.push_back({a, host_time_ns(b), b, host_time_ns(a)});
+      hostile.sent.push_back({a, host_time_ns(b)});
+    }
+  return hostile;
 }
 
 }  // namespace thermorig::timing

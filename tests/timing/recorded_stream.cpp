@@ -127,13 +127,13 @@ RecordedStream RecordedStream::without(const std::function<bool(std::size_t)>& i
 
 FittedStream fit_stream(const RecordedStream& stream) {
   FittedStream fitted;
-  const auto proofs = earliest_proofs(stream.received, stream.spans, stream.link.baud);
-  fitted.number = number_messages(proofs, stream.suspects(), stream.nominal_rate_hz);
+  const auto proofs = fit::earliest_proofs(stream.received, stream.spans, stream.link.baud);
+  fitted.number = fit::number_messages(proofs, stream.suspects(), stream.nominal_rate_hz);
   std::vector<double> device_s;
   for (const std::int64_t number : fitted.number)
     device_s.push_back(static_cast<double>(number) / stream.nominal_rate_hz);
-  const auto latest = latest_begins(stream.received, stream.spans, device_s, stream.link.baud);
-  fitted.clock = fit_arrivals(device_s, latest, stream.link, stream.nominal_rate_hz);
+  const auto latest = fit::latest_begins(stream.received, stream.spans, device_s, stream.link.baud);
+  fitted.clock = fit::fit_arrivals(device_s, latest, stream.link, stream.nominal_rate_hz);
   return fitted;
 }
 

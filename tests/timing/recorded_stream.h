@@ -10,7 +10,7 @@
 
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
-#include "thermorig/pipeline/timing/arrivals.h"
+#include "thermorig/fit/clocks/recorded_clock.h"
 #include "thermorig/simulation/virtual_rig.h"
 
 namespace thermorig::timing {
@@ -50,7 +50,7 @@ RecordedStream record_stream(Device device, const TestLink& link, std::uint64_t 
 /// Numbers and final clock in one go.
 struct FittedStream {
   std::vector<std::int64_t> number;
-  ArrivalClock clock;
+  fit::ArrivalClock clock;
 };
 FittedStream fit_stream(const RecordedStream& stream);
 

@@ -4,10 +4,32 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "thermorig/core/reading.h"
+#include "thermorig/core/time.h"
 
 namespace thermorig {
+
+/// How long a gyro has sent the very same reading, bit by bit: noise never repeats itself for long, but a
+/// gyro that hangs does, and one that sets itself to zero at rest.
+class RepeatedReading {
+ public:
+  /// False: it is another than the one before.
+  bool add(const GyroReading& reading, HostTime time);
+  /// Repeats count from here on.
+  void restart(HostTime time) { since_ = time, repeats_ = 0; }
+
+  std::size_t repeats() const { return repeats_; }
+  bool lasts(HostDuration span) const { return last_ && time_ - since_ >= span; }
+  bool is_zero() const { return last_ && last_->is_zero(); }
+  const std::optional<GyroReading>& last() const { return last_; }
+
+ private:
+  std::optional<GyroReading> last_;
+  HostTime since_{}, time_{};
+  std::size_t repeats_ = 0;
+};
 
 /// Finds a gyro that sets itself to zero at rest, as WitMotion's do: it reads exactly 0 about all axes for
 /// many samples in a row, where the noise of one that measures would move the last bit now and then. Its bias

@@ -10,13 +10,11 @@
 #include "thermorig/core/device.h"
 #include "thermorig/core/measurement.h"
 #include "thermorig/core/profile.h"
-#include "thermorig/core/raw_recording.h"
-#include "thermorig/core/run_all.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
 #include "thermorig/core/time.h"
+#include "thermorig/pipeline/labels/exposure.h"
 #include "thermorig/pipeline/labels/frame_gaps.h"
-#include "thermorig/pipeline/labels/freshness.h"
 #include "thermorig/pipeline/labels/labeller.h"
 #include "thermorig/sensors/wire/counters.h"
 #include "thermorig/sensors/wire/servo_messages.h"
@@ -34,6 +32,9 @@ struct Fits {
   double servo_rate_scale = 1.0;               // true speeds of a servo for each that it states
   std::optional<SyncReport> sync;
 };
+
+/// Exposures by what a first pass found, else by the profile.
+labels::ExposureRule exposure_rule(const CameraProfile& profile, const Fits& fits);
 
 /// Everything that came out of the bytes, at the moment at which it came, in arrival order: for those who
 /// watch the devices, and for a first pass. What belongs together comes later, as measurements.
@@ -94,11 +95,5 @@ class Pipeline {
   struct Stages;
   std::unique_ptr<Stages> stages_;
 };
-
-/// First pass: what the bytes, their arrivals and the streams decoded from them say about the recording as a
-/// whole: mode, missing frames, clocks, camera offset, gyro errors, servo response. Whatever cannot be told
-/// is absent, and the report says why. `streams` are those of a Pipeline without fits over `raw`. What does
-/// not hang on one another is handed to `run_all`; who does it makes no difference to the result.
-Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all = in_turn);
 
 }  // namespace thermorig::pipeline

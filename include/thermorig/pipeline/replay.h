@@ -8,10 +8,40 @@
 
 #include "thermorig/core/device.h"
 #include "thermorig/core/raw_recording.h"
-#include "thermorig/pipeline/interruptions.h"
+#include "thermorig/core/time.h"
 #include "thermorig/pipeline/pipeline.h"
 
 namespace thermorig::pipeline {
+
+/// A device went away, and maybe came back: its clock before and after have nothing to do with each other.
+struct Interruption {
+  Device device = Device::camera;
+  HostTime time{};
+};
+
+/// An event that tells of a device's going (`device_lost` or `missing`, with its source).
+bool is_interruption(const RecordingEvent& event);
+
+/// All of a recording, in order of time: what its events tell.
+std::vector<Interruption> interruptions(const RawRecording& raw);
+
+/// Where the stream of the device is broken: the offset of the first byte after each of its interruptions
+/// that has bytes before and after it. Ascending, the first 255.
+std::vector<std::uint64_t> break_offsets(const RawRecording& raw, Device device);
+
+/// Indices of the first message of each piece, 0 first; empty without messages. No message spans a break.
+template <typename Messages>
+std::vector<std::size_t> piece_begins(const Messages& messages, std::span<const std::uint64_t> breaks) {
+  std::vector<std::size_t> begins;
+  std::size_t next_break = 0;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    bool is_first = i == 0;
+    for (; next_break < breaks.size() && breaks[next_break] <= messages[i].span.begin; ++next_break)
+      is_first = true;
+    if (is_first) begins.push_back(i);
+  }
+  return begins;
+}
 
 /// Bytes that came in one read(), or that went to a device in one write(); or a device that went away.
 struct ReplayStep {
@@ -43,5 +73,34 @@ class Replay {
 
 /// The step into the pipeline, and the measurements that it completed.
 std::vector<Measurement> feed(Pipeline& pipeline, const ReplayStep& step);
+
+/// What a step of a replay brought.
+struct ReplayMoment {
+  HostTime time{};             // of the step; at the end that of the recording's end
+  std::optional<Device> from;  // whose bytes they were; none: they went to the servo, or the recording ended
+  Streams streams;             // decoded from them
+  std::vector<Measurement> measurements;  // completed by them
+};
+
+/// A recording again as it was while it was made: step by step, through a pipeline without fits. Measurements
+/// and their times are those of the recording, bit for bit: the last ones included that came when it was
+/// closed, and those that stood in for a camera that had gone.
+class CausalReplay {
+ public:
+  /// `raw` must outlive it.
+  explicit CausalReplay(const RawRecording& raw);
+
+  /// Nothing after the end.
+  std::optional<ReplayMoment> next();
+
+  const wire::Counters& counters(Device device) const { return pipeline_.counters(device); }
+
+ private:
+  HostTime end_time_;
+  Replay replay_;
+  Pipeline pipeline_;
+  std::optional<HostTime> camera_gone_;  // not yet, or never: it has still to be stood in for
+  bool ended_ = false;
+};
 
 }  // namespace thermorig::pipeline

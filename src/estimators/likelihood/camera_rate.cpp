@@ -7,7 +7,6 @@
 #include <optional>
 #include <span>
 
-#include "earlier_rates.h"
 #include "pixel_errors.h"
 #include "speed_search.h"
 

@@ -142,7 +142,7 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
   const float slope_mean = slope_sum / again;
   double shares = 0.0;
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    float lean = 0.0F, steepness = 0.0F, noise = 0.0F;
+    float gradient = 0.0F, curvature = 0.0F, noise = 0.0F;
     for (std::size_t i = column * half_rows; i < (column + 1) * half_rows; ++i) {
       if (weight[i] <= 0.0F) {
         comparison.residual[i] = std::numeric_limits<float>::quiet_NaN();
@@ -150,15 +150,15 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
       }
       comparison.residual[i] -= comparison.common_c;
       const float centred = slopes_k_deg[i] - slope_mean;
-      lean += weight[i] * centred * comparison.residual[i];
-      steepness += weight[i] * centred * centred;
+      gradient += weight[i] * centred * comparison.residual[i];
+      curvature += weight[i] * centred * centred;
       noise += weight[i] * slope_variance[i];
     }
-    comparison.lean += double{lean};
-    comparison.steepness += double{steepness};
-    comparison.known += double{steepness} - double{noise};
-    shares += double{steepness};
-    HeadingFilter::add_shares(azimuth_deg + lens_.bearing_deg(column), double{steepness}, comparison.about);
+    comparison.gradient += double{gradient};
+    comparison.curvature += double{curvature};
+    comparison.known += double{curvature} - double{noise};
+    shares += double{curvature};
+    HeadingFilter::add_shares(azimuth_deg + lens_.bearing_deg(column), double{curvature}, comparison.about);
   }
   if (shares > 0.0)
     for (double& share : comparison.about) share /= shares;

@@ -46,17 +46,17 @@ class Alignment {
     HalfPixels map_variance{};
     float common_c = 0.0F;
     std::array<double, HeadingFilter::nodes> about{};  // whose offset of the map it depends on, shares of 1
-    double lean = 0.0;                                 // weighted sum of slope times residual
-    double steepness = 0.0;                            // weighted sum of slope squared
+    double gradient = 0.0;                             // weighted sum of slope times residual
+    double curvature = 0.0;                            // weighted sum of slope squared
     double known = 0.0;       // the same less what noise adds to it: what is known of the heading
     double cost = 0.0;        // weighted squares of a pixel, robust
     double flat_cost = 0.0;   // the same, had the surroundings no structure at all
     double squares_k2 = 0.0;  // mean square of what was left, robust
     double pixels = 0.0;      // that were compared
-    double step_deg() const { return known > 0.0 ? lean / known : 0.0; }
+    double step_deg() const { return known > 0.0 ? gradient / known : 0.0; }
     /// Slopes that may be nothing but noise tell nothing.
     double variance_deg2() const {
-      return known > least_known_share * steepness ? steepness / (known * known) : 1e9;
+      return known > least_known_share * curvature ? curvature / (known * known) : 1e9;
     }
     static constexpr double least_known_share = 0.25;
   };

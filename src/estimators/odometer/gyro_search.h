@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "half_store.h"
 #include "heading_filter.h"
 #include "lens.h"
 #include "mosaic.h"

@@ -216,8 +216,8 @@ void LensAdjustment::add_looks(Equations& equations, Shares& shares) const {
       equations.curvature.block(count, j, own, 1) += weight * double{cell.slope} * by_lens.cast<double>();
       equations.curvature.block(count, count, own, own) +=
           weight * (by_lens * by_lens.transpose()).cast<double>();
-      equations.lean[j] += weight * double{cell.slope * look.residual_c};
-      equations.lens_lean.col(j) += weight * double{look.residual_c} * by_lens.cast<double>();
+      equations.gradient[j] += weight * double{cell.slope * look.residual_c};
+      equations.lens_gradient.col(j) += weight * double{look.residual_c} * by_lens.cast<double>();
       shares.by_lens[look.cell] += look.weight * by_lens;
       auto& in_cell = shares.seen[look.cell];
       if (in_cell.empty() || in_cell.back().half != half)
@@ -251,7 +251,7 @@ void LensAdjustment::eliminate_panorama(const Shares& shares, Equations& equatio
 
 /// By the gyro, which only keeps halves together that see nothing, and by what is known of lenses.
 void LensAdjustment::add_priors(Equations& equations) const {
-  auto& [curvature, lean, lens_lean] = equations;
+  auto& [curvature, gradient, lens_gradient] = equations;
   const Eigen::Index count = equations.headings();
   for (Eigen::Index j = 0; j < count; ++j) {
     curvature(j, j) += 1.0 / square(heading_sigma_deg);
@@ -263,14 +263,14 @@ void LensAdjustment::add_priors(Equations& equations) const {
     curvature(j, j) += weight;
     curvature(j - 1, j - 1) += weight;
     curvature(j, j - 1) -= weight;
-    lean[j] += weight * off_deg;
-    lean[j - 1] -= weight * off_deg;
+    gradient[j] += weight * off_deg;
+    gradient[j - 1] -= weight * off_deg;
   }
-  lean.tail(own) = lens_lean.rowwise().sum();
+  gradient.tail(own) = lens_gradient.rowwise().sum();
   for (std::size_t value = 0; value < lens_values; ++value) {
     const auto at = count + static_cast<Eigen::Index>(value);
     curvature(at, at) += 1.0 / square(prior[value]);
-    lean[at] -= values_[value] / square(prior[value]);
+    gradient[at] -= values_[value] / square(prior[value]);
   }
 }
 
@@ -314,19 +314,20 @@ double LensAdjustment::step() {
   add_looks(equations, shares);
   eliminate_panorama(shares, equations);
   add_priors(equations);
-  const auto& [curvature, lean, lens_lean] = equations;
+  const auto& [curvature, gradient, lens_gradient] = equations;
   const Eigen::LLT<Eigen::MatrixXd> of_headings(curvature.topLeftCorner(count, count));
   const Eigen::MatrixXd across = curvature.bottomLeftCorner(own, count);
   const Eigen::MatrixXd share = of_headings.solve(across.transpose()).transpose();
   const Eigen::MatrixXd covariance =
       (curvature.bottomRightCorner(own, own) - share * across.transpose()).inverse();
-  const Eigen::VectorXd lens_step = covariance * (lean.tail(own) - share * lean.head(count));
-  const Eigen::VectorXd heading_step = of_headings.solve(lean.head(count)) - share.transpose() * lens_step;
+  const Eigen::VectorXd lens_step = covariance * (gradient.tail(own) - share * gradient.head(count));
+  const Eigen::VectorXd heading_step =
+      of_headings.solve(gradient.head(count)) - share.transpose() * lens_step;
   if (!lens_step.allFinite() || !heading_step.allFinite()) {  // no panorama of anything
     sigma_.fill(std::numeric_limits<double>::infinity());
     return 0.0;
   }
-  learn_uncertainties(lens_lean - share * lean.head(count).asDiagonal(), covariance);
+  learn_uncertainties(lens_gradient - share * gradient.head(count).asDiagonal(), covariance);
   return move(lens_step, heading_step);
 }
 

@@ -63,10 +63,10 @@ class LensAdjustment {
   };
   struct Equations {  // of a step: the headings of all halves, then the lens
     Eigen::MatrixXd curvature;
-    Eigen::VectorXd lean;
-    Eigen::MatrixXd lens_lean;  // what each half says of the lens: (lens, halves)
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd lens_gradient;  // what each half says of the lens: (lens, halves)
 
-    Eigen::Index headings() const { return lens_lean.cols(); }
+    Eigen::Index headings() const { return lens_gradient.cols(); }
   };
   struct InCell {
     std::uint32_t half;

@@ -7,15 +7,11 @@
 #include <utility>
 
 #include "circle_search.h"
-#include "gyro_heading.h"
 #include "gyro_noise.h"
-#include "gyro_watch.h"
 #include "heading_trust.h"
-#include "innovation_count.h"
-#include "innovation_lean.h"
-#include "map_check.h"
-#include "plausibility.h"
+#include "innovations.h"
 #include "start.h"
+#include "thermorig/core/auto_zero.h"
 #include "thermorig/core/gyro_delay.h"
 #include "thermorig/core/surroundings/turn_path.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
@@ -26,6 +22,7 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
+constexpr HostDuration longest_repeat = std::chrono::milliseconds(300);  // of one reading, bit by bit
 constexpr double longest_unfit_s = 30.0;  // then the map is wrong, unless pixels fit it:
 constexpr double most_misfit = 1.5;       // 1.1 where times alone jump, 3.4 where walls have changed
 constexpr int covered_halves = 4;         // in a row
@@ -41,12 +38,24 @@ constexpr double give_up_s = 40.0;         // of a search, while the rig turns: 
 constexpr double bias_sigma_in_map_dps = 6.0, latency_sigma_in_map_s = 0.03;
 constexpr int most_counted = 480;  // halves: a minute
 // Of these: then the surroundings are others. Persons, wrong times and the world `typical` make up to 0.05 of
-// them strange; where all are, it takes 55 s.
-constexpr double most_strange = 0.6;
-constexpr double usual_strange = 0.1;                          // above it the surroundings may be others
+// them other_views; where all are, it takes 55 s.
+constexpr double most_other_views = 0.6;
+constexpr double usual_other_views = 0.1;                      // above it the surroundings may be others
 const double anywhere_deg = whole_turn_deg / std::sqrt(12.0);  // one standard deviation of any direction
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
+
+/// What profiles say of both sensors, before anything was measured.
+Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
+  Priors priors;
+  priors.bias_dps = gyro.bias_dps;
+  priors.bias_sigma_dps = gyro.later_bias_sigma_dps();
+  priors.scale = gyro.scale;
+  priors.scale_sigma = std::max(0.002, gyro.scale_uncertainty);
+  priors.latency_sigma_s =
+      std::hypot(0.002, gyro.link.latency_uncertainty_s, camera.link.latency_uncertainty_s);
+  return priors;
+}
 
 }  // namespace
 
@@ -74,7 +83,7 @@ struct Odometer::Parts {
   const NisBounds& nis_bounds() const { return odometer::nis_bounds(start.things_move()); }
   void run(const HalfFrame& half);
   void locate(const HalfFrame& half, double now_s);
-  void follow_lean(const HalfResult& result, double now_s);
+  void follow_mean_innovation(const HalfResult& result, double now_s);
   void count_innovation(const HalfResult& result);
   void watch_for_cover(const HalfResult& result, bool is_on_trial);
   bool is_covered() const { return covered >= covered_halves; }
@@ -101,6 +110,7 @@ struct Odometer::Parts {
   }
   void forget_clock();
 
+  bool is_gyro_frozen() const { return repeated.lasts(longest_repeat) && !repeated.is_zero(); }
   bool has_heading() const { return phase != Phase::starting || start.has_caught_up(); }
 
   std::shared_ptr<const Map> map;  // that was made before
@@ -117,7 +127,7 @@ struct Odometer::Parts {
   double lens_share;  // one standard deviation: of all angles that nothing but the lens tells
   SharedLens lens;
   TurnPath path;
-  GyroWatch watch;
+  RepeatedReading repeated;
   Tracker front;  // the one that is told of
   Start start;
   CircleSearch circle;
@@ -132,12 +142,13 @@ struct Odometer::Parts {
   std::optional<GyroHeading> sound;               // none: the gyro was away since, or there was no map yet
   double sound_since_s = 0.0, last_used_s = 0.0;  // by half
   double mean_nis = 1.0;
-  int covered = 0;       // halves in a row
-  double strange = 0.0;  // a running mean: the share of halves that fit neither the map nor a covered lens
+  int covered = 0;  // halves in a row
+  double other_views =
+      0.0;  // a running mean: the share of halves that fit neither the map nor a covered lens
   HeadingTrust trust;
   std::optional<double> unfit_since_s;  // innovations are larger than they should be
   bool gyro_was_away = false;
-  InnovationLean lean;
+  MeanInnovation mean_innovation;
   double mean_misfit = 1.0;     // of the pixels of a minute's halves
   InnovationCount innovations;  // since the start, or since the heading was another
   HalfResult newest;            // of the halves that were judged
@@ -182,7 +193,7 @@ void Odometer::Parts::add_gyro(const TimedGyro& sample) {
     if (last_sample - time >= clock_begins_anew) forget_clock();
     return;
   }
-  watch.add(sample);
+  repeated.add(sample.reading, time);
   const double step_s = path.has_begun() ? to_s(time - last_sample) : 0.0;
   last_sample = time;
   const double unseen = unseen_deg(lost_s(step_s, gyro_period_s));
@@ -193,8 +204,8 @@ void Odometer::Parts::add_gyro(const TimedGyro& sample) {
   unseen_deg2 += 2.0 * saturated_dps * saturated_dps * saturated_s * step_s;
   if (lost_s(step_s, gyro_period_s) > longest_gyro_gap_s) gyro_was_away = true;
   // One that sets itself to zero at rest has taken its bias off, with the first such sample.
-  const bool is_zeroed = watch.is_zero();
-  if (watch.is_frozen() && !is_zeroed) gyro_was_away = true;
+  const bool is_zeroed = repeated.is_zero();
+  if (is_gyro_frozen()) gyro_was_away = true;
   last_gyro_s = to_s(time - *origin);
   path.add(last_gyro_s, is_zeroed ? front.filter().bias_dps() : read_dps, unseen_deg2);
 }
@@ -206,7 +217,7 @@ Report Odometer::Parts::add(const TimedFrame& frame, std::span<const TimedGyro> 
   const double now_s = to_s(frame.exposure_end - *origin);
   if (has_heading() && now_s > front.now_s()) front.advance(path, now_s);
   stands_in = frame.stands_in;
-  if (phase == Phase::running && gyro_was_away && !watch.is_frozen()) begin_search(now_s);
+  if (phase == Phase::running && gyro_was_away && !repeated.lasts(longest_repeat)) begin_search(now_s);
   for (const unsigned parity : frame.halves_by_time()) {
     const auto half = half_of(frame, parity, *origin);
     if (half && half->begin_s > path.begin_s()) add_half(*half, now_s);
@@ -249,7 +260,7 @@ void Odometer::Parts::start_anywhere(const HalfFrame& half, double now_s) {
         trust.begin_unproven(front.rate_dps(), false);
       sound_since_s = now_s;
       sound = heading_of_front();
-      lean.begin(front.rate_dps());
+      mean_innovation.begin(front.rate_dps());
       innovations = InnovationCount();
       break;
   }
@@ -308,7 +319,7 @@ bool Odometer::Parts::is_map_given_up(const HalfFrame& half) {
 }
 
 void Odometer::Parts::run(const HalfFrame& half) {
-  if (watch.is_frozen() && !watch.is_zero()) return;
+  if (is_gyro_frozen()) return;
   const bool is_on_trial = map_use == MapUse::searching;
   const HalfResult result = front.add(half, path, trust.is_trusted() && !is_on_trial);
   if (is_on_trial && !has_place && is_map_given_up(half)) return begin_anew();
@@ -319,7 +330,7 @@ void Odometer::Parts::run(const HalfFrame& half) {
   trust.add(result);
   if (is_on_trial) check_map(result, half.end_s);
   if (phase != Phase::running) return;
-  if (result.is_used && !is_on_trial) follow_lean(result, half.end_s);
+  if (result.is_used && !is_on_trial) follow_mean_innovation(result, half.end_s);
   mean_misfit += (result.misfit - mean_misfit) / most_counted;
   if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
   if (mean_nis < nis_bounds().fits && unfit_since_s) {
@@ -328,7 +339,7 @@ void Odometer::Parts::run(const HalfFrame& half) {
   }
   keep_sound_heading(result, half.end_s);
   const bool is_unfit = unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s;
-  if ((is_unfit && !is_map_right()) || strange > most_strange) {
+  if ((is_unfit && !is_map_right()) || other_views > most_other_views) {
     begin_anew();
     return;
   }
@@ -341,9 +352,9 @@ void Odometer::Parts::run(const HalfFrame& half) {
 /// walls look like a cover now and then, and fit for a moment after it: that has to prove itself.
 void Odometer::Parts::watch_for_cover(const HalfResult& result, bool is_on_trial) {
   const bool was_covered = is_covered();
-  covered = result.is_flat && !(is_on_trial && result.is_strange) ? covered + 1 : 0;
-  strange += ((result.is_strange ? 1.0 : 0.0) - strange) / most_counted;
-  if (was_covered && !is_covered() && !is_on_trial && strange > usual_strange)
+  covered = result.is_flat && !(is_on_trial && result.is_other_view) ? covered + 1 : 0;
+  other_views += ((result.is_other_view ? 1.0 : 0.0) - other_views) / most_counted;
+  if (was_covered && !is_covered() && !is_on_trial && other_views > usual_other_views)
     trust.begin_unproven(front.rate_dps(), does_gyro_differ());
 }
 
@@ -390,19 +401,20 @@ bool Odometer::Parts::is_map_right() const {
   return sound && !does_gyro_differ() && mean_misfit < most_misfit && !innovations.is_false_map();
 }
 
-/// Innovations that lean: the bias is another, or, if all had fitted at another speed, an odd latency.
+/// Innovations to one side: the bias is another, or, if all had fitted at another speed, an odd latency.
 /// Where things move the rig may only turn with a person: that is said, and nothing written meanwhile.
-void Odometer::Parts::follow_lean(const HalfResult& result, double now_s) {
-  lean.add(result);
-  if (!lean.is_much(start.things_move())) return;
+void Odometer::Parts::follow_mean_innovation(const HalfResult& result, double now_s) {
+  mean_innovation.add(result);
+  if (!mean_innovation.is_one_sided(start.things_move())) return;
   const double odd_latency_s = front.filter().latency_s() - priors.latency_s;
-  const bool is_late = trust.is_trusted() && !unfit_since_s && lean.came_with_other_speed(result.rate_dps);
+  const bool is_late =
+      trust.is_trusted() && !unfit_since_s && mean_innovation.came_with_other_speed(result.rate_dps);
   if (start.things_move())
-    trust.doubt_lean();
+    trust.doubt_one_sided();
   else
     front.widen(stepped_bias_dps, is_late ? doubtful_latency * odd_latency_s : 0.0);
   sound_since_s = now_s;
-  lean.forget();
+  mean_innovation.forget();
 }
 
 void Odometer::Parts::begin_search(double now_s) {
@@ -422,7 +434,7 @@ void Odometer::Parts::locate(const HalfFrame& half, double now_s) {
     const bool gyro_differs = expected && std::abs(expected->sigmas_to(found->azimuth_deg)) > doubted_sigmas;
     trust.begin_unproven(front.rate_dps(), gyro_differs);
     mean_nis = 1.0;
-    lean.begin(front.rate_dps());
+    mean_innovation.begin(front.rate_dps());
     unfit_since_s.reset();
     phase = Phase::running;
     if (!sound || gyro_differs)
@@ -440,7 +452,7 @@ void Odometer::Parts::forget_clock() {
   sound.reset();
   origin_sigma_deg = 0.0;
   path.clear();
-  watch = GyroWatch();
+  repeated = RepeatedReading();
   origin.reset();
   front.restart(priors);
 }
@@ -463,7 +475,7 @@ void Odometer::Parts::begin_anew() {
   start.begin(sound);
   mean_nis = mean_misfit = 1.0;
   covered = 0;
-  strange = 0.0;
+  other_views = 0.0;
   trust = HeadingTrust();
   unfit_since_s.reset();
   gyro_was_away = false;
@@ -473,7 +485,7 @@ void Odometer::Parts::begin_anew() {
 EstimateReason Odometer::Parts::reason(double now_s) const {
   if (now_s - last_gyro_s > longest_gyro_gap_s) return EstimateReason::no_gyro;
   if (stands_in || !has_seen || now_s - last_half_s > longest_camera_gap_s) return EstimateReason::no_image;
-  if (watch.is_frozen() && !watch.is_zero()) return EstimateReason::gyro_frozen;
+  if (is_gyro_frozen()) return EstimateReason::gyro_frozen;
   if (map_use == MapUse::searching)
     return EstimateReason::none;  // another place is found, where another view fits
   return is_covered() || unfit_since_s ? EstimateReason::view_differs : EstimateReason::none;

@@ -26,14 +26,9 @@ constexpr double settled_deg = 0.4;
 constexpr int write_looks = 10;           // writing a half takes as long as so many looks
 constexpr int row_work = 2;               // row by row all takes so much longer
 const double box_width = std::sqrt(3.0);  // half of it, in standard deviations
-constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
 constexpr double moving_dps = 8.0;        // from there on errors of pixels are told from surroundings
 
 }  // namespace
-
-void learn_nis(const HalfResult& result, double& mean, double most) {
-  if (result.is_judged) mean += nis_share * (std::min(most, result.squared) - mean);
-}
 
 Tracker::Tracker(const Priors& priors, const SharedLens& lens) : lens_(lens), filter_(priors) {}
 
@@ -261,7 +256,7 @@ HalfResult Tracker::judge(const HalfFrame& half, const Exposed& exposed) {
   result.misfit = comparison.cost;
   result.left_k2 = comparison.squares_k2;
   result.is_flat = comparison.flat_cost + flat_margin < comparison.cost;
-  result.is_strange = result.is_flat && comparison.flat_cost > blank_squares;
+  result.is_other_view = result.is_flat && comparison.flat_cost > blank_squares;
   result.is_used = result.squared <= impossible && !result.is_flat;
   if (!result.is_used) return result;
   if (is_open_ && has_gap()) rewritten_ = written_shares(comparison, *view.variance, azimuth_deg);

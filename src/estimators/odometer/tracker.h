@@ -17,11 +17,11 @@ namespace thermorig::odometer {
 
 /// What a half told the filter.
 struct HalfResult {
-  bool is_used = false;     // the filter took it
-  bool is_judged = false;   // it could be laid against the map
-  bool is_flat = false;     // surroundings without any structure fit it better than the map does
-  bool is_strange = false;  // and does not fit them either: it shows something else
-  double squared = 0.0;     // its innovation, squared and divided by what was expected of it
+  bool is_used = false;        // the filter took it
+  bool is_judged = false;      // it could be laid against the map
+  bool is_flat = false;        // surroundings without any structure fit it better than the map does
+  bool is_other_view = false;  // and does not fit them either: it shows something else
+  double squared = 0.0;        // its innovation, squared and divided by what was expected of it
   double innovation_deg = 0.0, sigma_deg = 0.0;  // and what was expected of it
   double misfit = 0.0;   // squares of its pixels, divided by what was expected of them
   double left_k2 = 0.0;  // mean square of what its pixels differ from the map by
@@ -29,12 +29,6 @@ struct HalfResult {
   int work = 0;                    // what it cost: as many looks at the map, column by column
   Alignment::Explained explained;  // by a map that was loaded
 };
-
-/// Innovations of late, squared: a running mean of what they are of what was expected, about 1. One counts
-/// with `most` at most.
-inline constexpr double most_nis = 60.0;
-void learn_nis(const HalfResult& result, double& mean, double most = most_nis);
-inline constexpr double lost_nis = 8.0;  // then the heading is lost
 
 /// Heading filter and panorama together: half after half.
 class Tracker {

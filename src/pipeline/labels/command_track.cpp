@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "thermorig/core/statistics.h"
-#include "thermorig/pipeline/labels/intervals.h"
+#include "thermorig/pipeline/labels/label_config.h"
 
 namespace thermorig::labels {
 

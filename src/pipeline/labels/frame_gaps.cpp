@@ -189,4 +189,10 @@ FrameGap LiveFrameGaps::push(const TimedFrame& frame, HalvesWitness halves) {
   return gap;
 }
 
+std::uint16_t missing_in_absence(HostTime last, HostTime first, double period_s) {
+  constexpr double most = std::numeric_limits<std::uint16_t>::max();
+  const double periods = std::round(to_s(first - last) / period_s) - 1.0;
+  return static_cast<std::uint16_t>(std::clamp(periods, 1.0, most));
+}
+
 }  // namespace thermorig::labels

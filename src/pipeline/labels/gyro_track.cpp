@@ -5,10 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "fast_noise.h"
-#include "pulse_period.h"
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/pulse_train.h"
 
 namespace thermorig::labels {
 

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <limits>
 
-#include "pulse_period.h"
-#include "shaft_model.h"
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/sync.h"
 #include "thermorig/pipeline/labels/gyro_track.h"
-#include "thermorig/pipeline/labels/intervals.h"
-#include "thermorig/pipeline/labels/servo_response.h"
+#include "thermorig/pipeline/labels/label_config.h"
+#include "thermorig/pipeline/labels/pulse_train.h"
+#include "thermorig/pipeline/labels/servo_loop.h"
 
 namespace thermorig::labels {
 

@@ -3,10 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "pulse_period.h"
+#include <cstdlib>
 
 namespace thermorig::labels {
+
+namespace {
+constexpr double least_width_us = 1.0;  // of a profile that makes no sense
+constexpr double least_span = 1.0;
+}  // namespace
+
+PulseScale::PulseScale(const ServoProfile& servo)
+    : continuous_(servo.kind == ServoKind::continuous),
+      middle_us_((servo.pulse_min_us + servo.pulse_max_us) / 2.0),
+      half_span_(std::max(continuous_ ? servo.full_rate_dps : servo.travel_deg / 2.0, least_span)),
+      value_per_us_(half_span_ / std::max((servo.pulse_max_us - servo.pulse_min_us) / 2.0, least_width_us)) {}
 
 namespace {
 constexpr double least_change = 1e-9;
@@ -87,6 +97,36 @@ void PulseTrain::add(const TimedServo& servo, std::vector<Pulse>& out) {
     last_ = pulse;
   }
   before_ = Seen{servo.mcu_time_us, now, servo.state.rate_dps};
+}
+
+namespace {
+constexpr std::int64_t tolerance_us = 1'000;  // one step of the motion law
+constexpr double coarsest_tick_us = 0.5;
+constexpr double resolution = 0.01;  // telemetry counts hundredths
+}  // namespace
+
+/// A servo that puts out no pulses sends when it is asked.
+bool TelemetryCheck::missed_deadline(const TimedServo& servo) const {
+  return count_ > 0 && servo.state.pulse_us > 0.0F &&
+         std::abs(servo.mcu_time_us - before_us_ - message_us) > tolerance_us;
+}
+
+bool TelemetryCheck::pulse_strays(const ServoState& state) const {
+  if (count_ < kept || state.pulse_us <= 0.0F || state.motion == ServoMotion::disarmed) return false;
+  const auto [low, high] = std::minmax_element(commanded_.begin(), commanded_.end());
+  const double value = scale_.value(static_cast<double>(state.pulse_us));
+  const double tolerance = scale_.value_of_width(coarsest_tick_us) + resolution;
+  return !(value >= *low - tolerance && value <= *high + tolerance);
+}
+
+bool TelemetryCheck::disagrees(const TimedServo& servo) {
+  if (servo.lost_before) count_ = 0;
+  const bool missed = missed_deadline(servo);
+  if (missed) count_ = 0;
+  commanded_[count_ % kept] = scale_.continuous() ? servo.state.rate_dps : servo.state.angle_deg;
+  ++count_;
+  before_us_ = servo.mcu_time_us;
+  return pulse_strays(servo.state) || missed;
 }
 
 }  // namespace thermorig::labels

@@ -3,11 +3,18 @@
 
 #include <numbers>
 
+#include "thermorig/pipeline/labels/pulse_train.h"
+
 namespace thermorig::labels {
 
 namespace {
 constexpr double damping = 0.7;
-constexpr double half_stair_s = 0.01;  // a command in steps of 20 ms lies so far behind its ramp
+constexpr double half_stair_s = 0.01;            // a command in steps of 20 ms lies so far behind its ramp
+constexpr double to_one_percent = 4.605;         // -ln(0.01)
+constexpr double gyro_scale_uncertainty = 0.03;  // as data sheets promise it
+constexpr double loop_doubt = 0.3;               // relative, of a bandwidth that nobody measured
+constexpr double delay_doubt_s = 0.01;
+constexpr double phase_lag = 1.4;  // a loop of damping 0.7 lags by 2 * 0.7 / (2 pi bandwidth)
 }  // namespace
 
 ServoLoop::ServoLoop(bool continuous, double loop_hz, double dead_band_deg)
@@ -57,6 +64,23 @@ void ServoLoop::take_step(double value) {
   const double off_deg = angle_deg_ - goal_deg;
   angle_deg_ = goal_deg + from_angle_ * off_deg + from_rate_ * rate_dps_;
   rate_dps_ = rate_from_angle_ * off_deg + rate_from_rate_ * rate_dps_;
+}
+
+/// A first-order lag is taken with the damping too, on the safe side.
+double settle_s(const ServoResponse& response) {
+  const double loop_rad = 2.0 * std::numbers::pi * std::max(response.loop_hz, least_loop_hz);
+  return std::max(response.delay_s, 0.0) + pulse_period_s + to_one_percent / (damping * loop_rad);
+}
+
+ServoResponse assumed_response(const ServoProfile& profile) {
+  ServoResponse response;
+  response.loop_hz = std::max(profile.loop_hz, least_loop_hz);
+  const double lag_s = phase_lag / (2.0 * std::numbers::pi * response.loop_hz);
+  response.delay_uncertainty_s = std::hypot(delay_doubt_s, loop_doubt * lag_s);
+  response.scale = {profile.scale, profile.scale_uncertainty};
+  response.scale_calibrated = !profile.scale_measured_utc.empty();
+  response.gyro_ratio = {profile.scale, std::hypot(profile.scale_uncertainty, gyro_scale_uncertainty)};
+  return response;
 }
 
 }  // namespace thermorig::labels

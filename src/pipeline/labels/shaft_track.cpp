@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "hermite.h"
-#include "pulse_period.h"
+#include "thermorig/pipeline/labels/pulse_train.h"
 
 namespace thermorig::labels {
 

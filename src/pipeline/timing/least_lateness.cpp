@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "least_lateness.h"
+#include "thermorig/pipeline/timing/least_lateness.h"
 
 #include <algorithm>
 #include <cmath>

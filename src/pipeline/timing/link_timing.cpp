@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "least_lateness.h"
+#include "thermorig/pipeline/timing/least_lateness.h"
 
 namespace thermorig::timing {
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "least_lateness.h"
-#include "parabola.h"
-#include "sliding_fit.h"
+#include "thermorig/pipeline/timing/least_lateness.h"
+#include "thermorig/pipeline/timing/parabola.h"
+#include "thermorig/pipeline/timing/sliding_fit.h"
 
 namespace thermorig::timing {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "parabola.h"
+#include "thermorig/pipeline/timing/parabola.h"
 
 #include <algorithm>
 #include <array>

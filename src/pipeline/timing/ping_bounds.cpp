@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "ping_bounds.h"
+#include "thermorig/pipeline/timing/ping_bounds.h"
 
 #include <algorithm>
 #include <cmath>

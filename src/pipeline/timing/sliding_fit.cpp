@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "sliding_fit.h"
+#include "thermorig/pipeline/timing/sliding_fit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "thermorig/pipeline/labels/gyro_filter.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 #include "thermorig/sensors/camera_protocol.h"
 
 namespace thermorig::calibration {
@@ -128,13 +128,13 @@ GyroErrors filter_by_noise(const session::Session& session) {
   silent.bandwidth_hz = 0.0;
   GyroErrors errors;
   errors.zeroes_itself = session.sync.gyro.zeroes_itself;
-  labels::fit_gyro_filter(session.gyro, session.servo, silent, errors);
+  fit::fit_gyro_filter(session.gyro, session.servo, silent, errors);
   return errors;
 }
 
 GyroErrors filter_by_profile(const session::Session& session) {
   GyroErrors errors;
-  labels::fit_gyro_filter({}, {}, session.raw.header.profile.gyro, errors);
+  fit::fit_gyro_filter({}, {}, session.raw.header.profile.gyro, errors);
   return errors;
 }
 

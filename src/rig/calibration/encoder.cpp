@@ -2,21 +2,21 @@
 #include <fmt/format.h>
 
 #include "thermorig/core/error.h"
-#include "thermorig/pipeline/labels/encoder_fit.h"
+#include "thermorig/fit/shaft/encoder_fit.h"
 #include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {
 
 EncoderResult measure_encoder(const session::Session& session) {
-  const labels::EncoderFitResult found = labels::fit_encoder(
-      session.shaft, session.gyro, session.servo, session.sync.gyro, session.raw.header.profile.encoder);
+  const fit::EncoderFitResult found = fit::fit_encoder(session.shaft, session.gyro, session.servo,
+                                                       session.sync.gyro, session.raw.header.profile.encoder);
   if (!found.fit)
     throw Error(ExitCode::finished_lossy, "the encoder's errors are not known: " + found.why_not,
                 "calibrate encoder",
                 session.shaft.empty() ? "connect the sensor as firmware_servo/README.md says, flash firmware "
                                         "1.3.0 or later, then thermorig calibrate encoder"
                                       : "thermorig calibrate encoder on a servo that turns by a whole turn");
-  const labels::EncoderFit& fit = *found.fit;
+  const fit::EncoderFit& fit = *found.fit;
   return {.sensor = session.raw.header.shaft_sensor,
           .encoder = fit.encoder,
           .once_deg = fit.once_deg,

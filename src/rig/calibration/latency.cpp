@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "thermorig/core/error.h"
-#include "thermorig/pipeline/motion/panorama_fit.h"
+#include "thermorig/fit/motion/panorama_fit.h"
 #include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {

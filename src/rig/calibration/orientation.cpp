@@ -7,8 +7,8 @@
 
 #include "thermorig/core/error.h"
 #include "thermorig/core/statistics.h"
-#include "thermorig/pipeline/labels/servo_response.h"
-#include "thermorig/pipeline/motion/panorama_fit.h"
+#include "thermorig/fit/motion/panorama_fit.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
 #include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {
@@ -100,7 +100,7 @@ OrientationResult measure_orientation(const session::Session& session) {
   profile.axis = axis.axis;
   profile.sign = axis.sign;
   const std::vector<TimedGyro> gyro = about(session.gyro, static_cast<std::size_t>(axis.axis), profile.sign);
-  const GyroErrors errors = labels::fit_gyro_errors(gyro, session.servo, profile);
+  const GyroErrors errors = fit::fit_gyro_errors(gyro, session.servo, profile);
   const CameraProfile& camera = session.raw.header.profile.camera;
   const motion::Orientation image =
       motion::orientation(session.frames, gyro, {camera.lens_width_deg(), camera.mirrored}, errors);

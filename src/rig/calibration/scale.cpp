@@ -4,8 +4,8 @@
 
 #include "rest.h"
 #include "thermorig/core/error.h"
-#include "thermorig/pipeline/labels/servo_response.h"
-#include "thermorig/pipeline/motion/panorama_fit.h"
+#include "thermorig/fit/motion/panorama_fit.h"
+#include "thermorig/fit/shaft/servo_response.h"
 #include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {
@@ -47,7 +47,7 @@ std::optional<Estimate> servo_scale(const session::Session& session, GyroErrors 
   errors.scale = gyro_scale;
   errors.scale_calibrated = true;
   const ServoResponse response =
-      labels::fit_servo_response(session.servo, session.gyro, errors, session.raw.header.profile.servo);
+      fit::fit_servo_response(session.servo, session.gyro, errors, session.raw.header.profile.servo);
   if (!response.fitted || !response.scale_calibrated) return std::nullopt;
   const double elsewhere = potentiometer_linearity * (1.0 - driven_share(session));
   return Estimate{response.scale.value, std::hypot(response.scale.uncertainty, elsewhere)};

@@ -6,6 +6,7 @@
 
 #include "thermorig/core/error.h"
 #include "thermorig/core/run_all.h"
+#include "thermorig/fit/fit.h"
 #include "thermorig/io/port.h"
 #include "thermorig/io/spill/spill.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -72,7 +73,7 @@ void recount(std::vector<LegRecord>& legs, const std::vector<LabelledSample>& sa
 }  // namespace
 
 session::Session build_session(RawRecording raw) {
-  pipeline::Fits fits = pipeline::fit(raw, decode(raw, {}, true).streams, on_all_cores);
+  pipeline::Fits fits = fit::fit_recording(raw, decode(raw, {}, true).streams, on_all_cores);
   Decoded decoded = decode(raw, fits);
   session::Session session;
   session.state = state_of(raw);

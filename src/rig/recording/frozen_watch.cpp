@@ -39,7 +39,7 @@ void FrozenWatch::begin(Device device, HostTime now) {
 void FrozenWatch::forget(Device device) {
   begin(device, HostTime::max());
   if (device == Device::gyro) {
-    last_rate_dps_.reset();
+    gyro_ = RepeatedReading();
     turning_samples_ = 0;
     changes_ = {};
   }
@@ -76,20 +76,19 @@ bool FrozenWatch::is_lively() const {
 }
 
 void FrozenWatch::note_changes(const std::array<float, 3>& rate_dps) {
-  if (!last_rate_dps_) return;
+  if (!gyro_.last()) return;
   ++turning_samples_;
   for (std::size_t axis = 0; axis < rate_dps.size(); ++axis)
-    if (rate_dps[axis] != (*last_rate_dps_)[axis]) ++changes_[axis];
+    if (rate_dps[axis] != gyro_.last()->rate_dps[axis]) ++changes_[axis];
 }
 
 /// The servo's speed has changed while the samples repeat; they are counted anew then, for the shaft may
 /// follow late.
 bool FrozenWatch::outlives_a_change(HostTime now) {
-  Repeats& repeats = repeats_[Device::gyro];
-  if (speed_changed_ || now - repeats.since < shaft_follows) return speed_changed_;
+  if (speed_changed_ || !gyro_.lasts(shaft_follows)) return speed_changed_;
   if (!settled_dps_) settled_dps_ = servo_dps_;
   speed_changed_ = std::abs(servo_dps_ - *settled_dps_) >= turning_dps;
-  if (speed_changed_) repeats = {.since = now, .count = 0};
+  if (speed_changed_) gyro_.restart(now);
   return speed_changed_;
 }
 
@@ -98,21 +97,19 @@ bool FrozenWatch::gyro(const TimedGyro& sample) {
   const std::array<float, 3>& rate_dps = sample.reading.rate_dps;
   const bool is_turning = turns(now);
   if (is_turning) note_changes(rate_dps);
-  const bool repeats_last = last_rate_dps_ == rate_dps;
-  last_rate_dps_ = rate_dps;
+  const bool repeats_last = gyro_.add(sample.reading, now);
   // Zeros are what a sound one may read at rest.
   if (stuck_rate_dps_ == rate_dps && (is_turning || !sample.reading.is_zero())) return false;
   stuck_rate_dps_.reset();
   if (!repeats_last || !is_turning || sample.reading.saturated) {
-    begin(Device::gyro, now);
+    trouble_[Device::gyro].reset();
+    gyro_.restart(now);
     settled_dps_.reset();
     speed_changed_ = false;
     return true;
   }
   const bool ought_to_differ = outlives_a_change(now) || sample.reading.is_zero() || is_lively();
-  Repeats& repeats = repeats_[Device::gyro];
-  ++repeats.count;
-  if (ought_to_differ && repeats.last(now, fewest_samples, samples_span)) {
+  if (ought_to_differ && gyro_.repeats() >= fewest_samples && gyro_.lasts(samples_span)) {
     trouble_[Device::gyro] = gyro_text(sample.reading);
     stuck_rate_dps_ = rate_dps;
   }

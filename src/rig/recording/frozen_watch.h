@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "thermorig/core/auto_zero.h"
 #include "thermorig/core/device.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
@@ -44,7 +45,7 @@ class FrozenWatch {
 
   PerDevice<std::optional<std::string>> trouble_;
   PerDevice<Repeats> repeats_;
-  std::optional<std::array<float, 3>> last_rate_dps_;
+  RepeatedReading gyro_;                                // while the servo turns
   std::optional<std::array<float, 3>> stuck_rate_dps_;  // as long as nothing else comes, it is not back
   std::optional<std::uint32_t> last_mcu_us_;
   bool turns(HostTime now) const;

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <span>
 
-#include "thermorig/pipeline/labels/servo_response.h"
-#include "thermorig/pipeline/labels/witnesses.h"
+#include "thermorig/fit/shaft/gyro_errors.h"
+#include "thermorig/fit/shaft/witnesses.h"
 
 namespace thermorig::rig {
 
@@ -48,8 +48,8 @@ std::optional<std::string> WitnessWatch::compare() {
     return state.stamp.time < gyro_.back().stamp.time;
   });
   const std::span<const TimedServo> servo(servo_.begin(), later);
-  const GyroErrors errors = labels::fit_gyro_errors(gyro_, servo, profile_.gyro);
-  const Witnesses witnesses = labels::compare_witnesses(servo, gyro_, errors, profile_);
+  const GyroErrors errors = fit::fit_gyro_errors(gyro_, servo, profile_.gyro);
+  const Witnesses witnesses = fit::compare_witnesses(servo, gyro_, errors, profile_);
   if (witnesses.cause.empty()) return std::nullopt;
   return fmt::format("{}; try: {}", witnesses.cause, witnesses.remedy);
 }

@@ -11,7 +11,6 @@
 #include "thermorig/core/time.h"
 #include "thermorig/pipeline/labels/history.h"
 #include "thermorig/pipeline/labels/pulse_train.h"
-#include "thermorig/pipeline/labels/telemetry_check.h"
 
 namespace thermorig::labels {
 

@@ -10,7 +10,7 @@
 #include "thermorig/core/sample.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/core/time.h"
-#include "thermorig/pipeline/labels/freshness.h"
+#include "thermorig/pipeline/labels/exposure.h"
 
 namespace thermorig::labels {
 
@@ -54,5 +54,9 @@ class LiveFrameGaps {
   std::array<double, kept_intervals> intervals_s_{};
   std::size_t interval_count_ = 0;
 };
+
+/// Frames that an absence of the camera cost, between the last before it and the first after it: one at
+/// least, so that no run goes on over it.
+std::uint16_t missing_in_absence(HostTime last, HostTime first, double period_s);
 
 }  // namespace thermorig::labels

@@ -9,6 +9,12 @@
 
 namespace thermorig::labels {
 
+/// Commanded speeds that differ by less are the same one: telemetry counts centidegrees per second.
+inline constexpr double constant_dps = 0.015;
+
+/// Standard deviation of a bias that nothing tells.
+inline constexpr double unknown_bias_dps = 20.0;
+
 struct LabelConfig {
   double settle_s = 0.2;               // where no response was fitted: telemetry needed before the exposure
   double rate_tolerance_dps = 1.0;     // the shaft's speed may leave the commanded one by this,

@@ -13,7 +13,6 @@
 #include "thermorig/pipeline/labels/gyro_track.h"
 #include "thermorig/pipeline/labels/label_config.h"
 #include "thermorig/pipeline/labels/measured_track.h"
-#include "thermorig/pipeline/labels/motion_noise.h"
 #include "thermorig/pipeline/labels/running_bias.h"
 #include "thermorig/pipeline/labels/shaft_track.h"
 #include "thermorig/pipeline/labels/warm_up.h"

@@ -1,15 +1,48 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
-#include "thermorig/pipeline/labels/pulse_scale.h"
 
 namespace thermorig::labels {
+
+/// What a pulse width commands by the profile of the servo. Source: protocols/servo_link.md, "Motion".
+class PulseScale {
+ public:
+  explicit PulseScale(const ServoProfile& servo);
+
+  /// A continuous servo is commanded a speed, a positional one an angle.
+  bool continuous() const { return continuous_; }
+
+  /// Positional: degrees, 0 in the middle of the travel. Continuous: degrees per second.
+  double value(double pulse_us) const { return (pulse_us - middle_us_) * value_per_us_; }
+
+  /// Degrees, or degrees per second, of so many microseconds.
+  double value_of_width(double width_us) const { return width_us * value_per_us_; }
+
+  /// Where a value lies between the shortest pulse (-1) and the longest (1).
+  double part(double value) const { return value / half_span_; }
+
+ private:
+  bool continuous_;
+  double middle_us_;
+  double half_span_;
+  double value_per_us_;
+};
+
+/// Of the servo's pulses, as a duration and in seconds; telemetry comes twice as often
+/// (protocols/servo_link.md, "Telemetry").
+inline constexpr HostDuration pulse_period = std::chrono::milliseconds(20);
+inline constexpr double pulse_period_s = 1e-6 * 20'000;
+inline constexpr std::int64_t message_us = 10'000;
 
 /// One pulse on the servo's pin.
 struct Pulse {
@@ -53,6 +86,28 @@ class PulseTrain {
   std::optional<Seen> before_;            // the last message
   std::optional<Seen> last_;              // the last pulse, by its start
   std::optional<std::int64_t> phase_us_;  // start of a pulse, modulo the period
+};
+
+/// Whether the micro-controller does what it says. Telemetry that reports pulses is due every 10 ms of its
+/// clock, exactly; and a pulse shows what was commanded at most one pulse period and one step of the motion
+/// law before it (protocols/servo_link.md, "Motion").
+class TelemetryCheck {
+ public:
+  explicit TelemetryCheck(const PulseScale& scale) : scale_(scale) {}
+
+  /// True if the message came at another time than it was due, though none before it was lost on the line; or
+  /// if its pulse lies outside what was commanded over the last 30 ms by more than half a microsecond.
+  bool disagrees(const TimedServo& servo);
+
+ private:
+  static constexpr std::size_t kept = 4;  // messages that cover a pulse period and a step
+  bool missed_deadline(const TimedServo& servo) const;
+  bool pulse_strays(const ServoState& state) const;
+
+  PulseScale scale_;
+  std::array<double, kept> commanded_{};  // a ring
+  std::size_t count_ = 0;                 // messages since the last loss
+  std::int64_t before_us_ = 0;
 };
 
 }  // namespace thermorig::labels

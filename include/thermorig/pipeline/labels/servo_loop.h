@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/profile.h"
+#include "thermorig/core/sync.h"
+
 namespace thermorig::labels {
 
 /// A servo's own loop: commanded value in, shaft out, scale and gain 1. Exact between changes of the command
@@ -48,5 +51,15 @@ class ServoLoop {
   double from_angle_ = 1.0, from_rate_ = 0.0;            // next offset from the command
   double rate_from_angle_ = 0.0, rate_from_rate_ = 1.0;  // next rate
 };
+
+/// No servo's loop is taken to be slower.
+inline constexpr double least_loop_hz = 0.5;
+
+/// How long after a change of the commanded speed the shaft's is within 1 % of the change: delay, one pulse
+/// period, and the loop.
+double settle_s(const ServoResponse& response);
+
+/// What is assumed where nothing was fitted (live).
+ServoResponse assumed_response(const ServoProfile& profile);
 
 }  // namespace thermorig::labels

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "thermorig/core/sync.h"
-#include "thermorig/pipeline/labels/pulse_scale.h"
+#include "thermorig/pipeline/labels/pulse_train.h"
 
 namespace thermorig::labels {
 

@@ -1,30 +1,71 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
-#include <memory>
+#include <cstddef>
+#include <deque>
 #include <optional>
-#include <span>
+#include <string>
 #include <vector>
 
 #include "thermorig/core/profile.h"
-#include "thermorig/core/sync.h"
-#include "thermorig/core/time.h"
+#include "thermorig/pipeline/timing/ping_bounds.h"
 
 namespace thermorig::timing {
 
-/// One answered ping: bounds from both sides. Wire times are taken off already, as short as they can be.
-struct PingExchange {
-  std::int64_t receive_us = 0;  // micro-controller, unwrapped: the ping's last byte was in
-  HostTime not_before{};  // receive_us is not before it: host time before write(), plus the ping's wire time
-  std::int64_t send_us = 0;  // the answer's first byte was handed to the transmitter
-  HostTime not_after{};      // send_us is not after it: the answer's arrival minus its wire time
-};
+/// Follows a servo's clock from bound to bound, leaves out what no clock explains, and begins a new epoch
+/// where bounds that agree with each other agree with the clock so far no more. A clock that wanders more
+/// than its profile says is no other clock: the wander that it is allowed grows until it explains the last
+/// minute.
+class PingEpochs {
+ public:
+  explicit PingEpochs(const PortProfile& link);
 
-/// One message whose sending time the micro-controller stamped (telemetry): a bound from above alone.
-struct SentStamp {
-  std::int64_t send_us = 0;
-  HostTime not_after{};
+  /// Bounds come in the order in which their messages did.
+  void feed(const PingBound& bound);
+
+  /// Bounds of the newest epoch's clock that are likely, and those that are sure: none before the first
+  /// bound, both from then on.
+  const PingBounds* likely() const { return current_ ? &*current_ : nullptr; }
+  const PingBounds* sure() const { return sure_ ? &*sure_ : nullptr; }
+  const std::vector<ClockEpoch>& epochs() const { return epochs_; }
+
+  /// Which bound, counted from 0 in the order of feed(), was the first of each epoch.
+  const std::vector<std::size_t>& first_bounds() const { return first_bounds_; }
+
+  /// Whether the bound that was fed last is one of the clock's, or in doubt.
+  bool doubted() const { return doubted_; }
+
+ private:
+  struct Rival {
+    PingBounds bounds;
+    PingFate fate;
+    std::size_t first;
+    HostTime begin;
+    std::string reason;
+    std::vector<PingBound> taken;
+  };
+  bool wanders_more(const PingBound& bound, PingFate fate);
+  std::optional<PingBounds> followed(const PingBound& bound, double wander) const;
+  void follow_surely();
+  void remember(const PingBound& bound);
+  void doubt(const PingBound& bound, PingFate fate);
+  void trust(const PingBound& bound);
+  void begin_epoch(Rival&& rival);
+  void impossible(PingBound bound);
+  std::string reason(const PingBound& bound, PingFate fate) const;
+
+  PortProfile link_;
+  double wander_;
+  std::size_t fed_ = 0;
+  std::optional<PingBounds> current_;
+  std::optional<PingBounds> sure_;  // of the same bounds, with room for what they may hide
+  std::deque<PingBound> recent_;    // of the clock so far: the last minute
+  int failed_searches_ = 0;         // for a wander that explains a bound, in this epoch
+  std::optional<Rival> rival_;
+  int impossible_ = 0;  // in a row
+  bool doubted_ = false;
+  std::vector<ClockEpoch> epochs_;
+  std::vector<std::size_t> first_bounds_;
 };
 
 /// The micro-controller's clock from both sides: every clock that obeys all bounds and whose rate, within any
@@ -42,40 +83,27 @@ struct SentStamp {
 /// once a second, and some more where the wander grows; bounded memory.
 class PingClock {
  public:
-  explicit PingClock(const PortProfile& link);
-  ~PingClock();
-  PingClock(PingClock&&) noexcept;
-  PingClock& operator=(PingClock&&) noexcept;
+  explicit PingClock(const PortProfile& link) : epochs_(link) {}
 
   /// In order of arrival, mixed with sent(). An exchange whose answer was sent before its ping is ignored.
   void exchange(const PingExchange& exchange);
-  void sent(const SentStamp& stamp);
+  void sent(const SentStamp& stamp) { epochs_.feed(one_sided(stamp)); }
 
   /// When the micro-controller's clock showed `mcu_us` (unwrapped, of the newest epoch). None before the
   /// epoch's first exchange.
   std::optional<TimeEstimate> at(std::int64_t mcu_us) const;
 
   /// Epochs so far, the first included.
-  const std::vector<ClockEpoch>& epochs() const;
+  const std::vector<ClockEpoch>& epochs() const { return epochs_.epochs(); }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  PingEpochs epochs_;
 };
 
-/// The same over a whole recording, non-causal: the times of `mcu_us`, and a report with knots.
-///
-/// All three in the order of the stream; `mcu_us` are those of `sent` or some of them, and a step back of
-/// more than 0.2 s in it is a reset. The wander that each epoch's bounds allow for is at least twice what
-/// explains all of its messages, and more at both ends of the epoch, where the minute of the mean rate lies
-/// to one side. ClockReport::bound_wander_ppm is the largest, and 0 where nothing explains them. In an epoch
-/// without any exchange the bounds are those of a one-way clock: the lower end rests on
-/// PortProfile::largest_constant_delay_s. Times that nothing bounds have infinite uncertainty.
-struct PingFit {
-  std::vector<TimeEstimate> times;
-  ClockReport report;
-};
-PingFit fit_pings(std::span<const std::int64_t> mcu_us, std::span<const PingExchange> exchanges,
-                  std::span<const SentStamp> sent, const PortProfile& link);
+/// Why bounds contradict each other by so little that no reset and no suspension explains it.
+std::string contradiction_reason(double missed_s, const PortProfile& link);
+
+/// "5.2 s", "0.31 ms": a duration as a person reads it.
+std::string duration_text(double seconds);
 
 }  // namespace thermorig::timing

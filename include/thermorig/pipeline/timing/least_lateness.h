@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "thermorig/core/estimate.h"
+#include "thermorig/pipeline/timing/sliding_fit.h"
+
+namespace thermorig::timing {
+
+inline constexpr double usb_frame_s = 0.001;  // full-speed USB
+
+/// How late even the fastest bytes are: what a curve below all inequalities cannot show, and the shape of the
+/// lateness above it can.
+struct LeastLateness {
+  std::vector<Estimate> at_knots_s;  // from the first knot that was asked for on: to be taken off the curve
+  double longest_hold_s = 0.0;       // beside the largest constant delay: a link that waits for silence
+};
+
+/// What was read, and how late above a curve.
+struct Reads {
+  std::span<const LatestBegin> latest;
+  std::span<const MessageReads> messages;  // that share all of `latest`, in order
+  double x0 = 0.0;                         // on the device's clock: x = 0 of the curve
+  std::function<double(std::size_t)> late_s;
+};
+
+/// `step_s`: between messages. Knots before `first_knot` get nothing.
+///
+/// Three parts, each from the data:
+///
+/// 1. Chance. The fastest of some dozen messages is later than the least possible. Without the messages that
+///    hold the curve up it would rise by about as much as it is too high already (the least of evenly spread
+///    values is as far above their limit as the second least is above it).
+///
+/// 2. USB frames. A bridge's own timer and the host's 1 ms frames are two clocks that hardly slide against
+///    each other, so a byte may wait for a frame nearly equally long for minutes: anything from 0 to 1 ms. As
+///    much of that millisecond as the waits of the chunks cover, or as slides past within a window, is known
+///    not to be such a constant; half of the rest is expected. Where chunks are cut off every millisecond it
+///    may be the frame itself that cuts (USB-CDC) and makes no byte wait: half of the half.
+///
+/// 3. Silence. A link that sends when its line falls silent (`longest_silence_s`): half of the longest
+/// silence.
+LeastLateness least_lateness(const Reads& reads, double step_s, std::span<const SlidingFit::Knot> knots,
+                             const SlidingWindow& window, std::size_t first_knot = 0);
+
+/// Standard deviation of a uniform spread of width 1.
+inline constexpr double uniform_deviation = 0.5 / std::numbers::sqrt3;
+
+/// What shows whether a link sends by its own clock or when its line falls silent.
+struct LineUse {
+  double step_s = 0.0;     // between messages
+  double message_s = 0.0;  // of it a message is on the wire; 0 without a baud rate
+  std::size_t chunks = 0;  // that ended at or within a message
+  std::size_t cuts = 0;    // of those: within
+};
+
+/// How long the link may listen before it takes silence for an end; 0 if it does not wait for one. A link
+/// that never cuts a message although its line is busy for a good part of the time sends on silence (CH340).
+/// How long it listens is constant and in no data sheet: anything up to the pause between messages, or to 3
+/// ms.
+double longest_silence_s(const LineUse& use);
+
+}  // namespace thermorig::timing
