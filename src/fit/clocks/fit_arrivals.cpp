@@ -146,13 +146,13 @@ class SegmentFitting {
   }
 
   LeastLateness estimate_least(const SlidingFit& curve) const {
-    std::vector<MessageReads> messages;
+    std::vector<timing::MessageReads> messages;
     for (std::size_t begin = 0, end = 0; begin < latest_.size(); begin = end) {
       while (end < latest_.size() && latest_[end].device_s == latest_[begin].device_s) ++end;
-      messages.push_back(message_reads(latest_.subspan(begin, end - begin)));
+      messages.push_back(timing::message_reads(latest_.subspan(begin, end - begin)));
     }
-    return least_lateness({latest_, messages, x0_, [&](std::size_t i) { return fit_.late_s[i]; }},
-                          device_.step_s, curve.knots(), device_.window);
+    return timing::least_lateness({latest_, messages, x0_, [&](std::size_t i) { return fit_.late_s[i]; }},
+                                  device_.step_s, curve.knots(), device_.window);
   }
 
   void add_messages(std::span<const double> level_s, std::span<const Estimate> least_s, SlidingFit& curve) {

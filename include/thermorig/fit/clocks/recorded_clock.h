@@ -17,20 +17,6 @@ namespace thermorig::fit {
 
 using timing::LatestBegin;
 
-/// Of the reads of one message, in their order. Each is as late above a curve as it was read: whatever the
-/// curve, the same ones are the least and the quantile.
-struct MessageReads {
-  std::uint32_t count = 0;
-  std::uint32_t cuts = 0;         // that ended within the message
-  std::uint32_t short_holds = 0;  // of those: held for hardly longer than a USB frame
-  std::uint32_t least = 0;        // the earliest read
-  std::uint32_t least_cut = 0;    // the earliest cut, and the one that most cuts were read before
-  std::uint32_t upper_cut = 0;
-};
-
-/// `reads` of one message.
-MessageReads message_reads(std::span<const LatestBegin> reads);
-
 /// All of them: one for each chunk that ends within or at the end of a message. `spans` are the messages in
 /// the order of the stream, `device_s` their places on the device's clock.
 std::vector<LatestBegin> latest_begins(const RawStream& received, std::span<const StreamSpan> spans,

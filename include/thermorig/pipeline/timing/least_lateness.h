@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <numbers>
 #include <span>
 #include <vector>
 
 #include "thermorig/core/estimate.h"
+#include "thermorig/pipeline/timing/parabola.h"
 #include "thermorig/pipeline/timing/sliding_fit.h"
 
 namespace thermorig::timing {
@@ -20,6 +22,20 @@ struct LeastLateness {
   std::vector<Estimate> at_knots_s;  // from the first knot that was asked for on: to be taken off the curve
   double longest_hold_s = 0.0;       // beside the largest constant delay: a link that waits for silence
 };
+
+/// Of the reads of one message, in their order. Each is as late above a curve as it was read: whatever the
+/// curve, the same ones are the least and the quantile.
+struct MessageReads {
+  std::uint32_t count = 0;
+  std::uint32_t cuts = 0;         // that ended within the message
+  std::uint32_t short_holds = 0;  // of those: held for hardly longer than a USB frame
+  std::uint32_t least = 0;        // the earliest read
+  std::uint32_t least_cut = 0;    // the earliest cut, and the one that most cuts were read before
+  std::uint32_t upper_cut = 0;
+};
+
+/// `reads` of one message.
+MessageReads message_reads(std::span<const LatestBegin> reads);
 
 /// What was read, and how late above a curve.
 struct Reads {
