@@ -13,6 +13,7 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/core/time.h"
+#include "thermorig/pipeline/timing/least_lateness.h"
 #include "thermorig/pipeline/timing/parabola.h"
 
 namespace thermorig::timing {
