@@ -61,7 +61,7 @@ TEST(CalibrateLens, RefusesABareWallAndARigThatRests) {
   auto config = rig_with(2);
   config.world.scene.contrast = 0.02;
   const session::Session session = swept(config).session;
-  EXPECT_THAT(refusal([&] { measure_lens(session); }), HasSubstr("do not tell the lens"));
+  EXPECT_THAT(refusal([&] { measure_lens(session); }), HasSubstr("the lens cannot be measured"));
   const Recorded resting = record(config, plan_for(CalibrationKind::bias, config));
   EXPECT_THAT(refusal([&] { measure_lens(resting.session); }), HasSubstr("half-frames"));
 }

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <future>
 
@@ -103,7 +104,9 @@ TEST_F(SetupOnPorts, GoesToAGoodSessionWhereTwoPortsLookAlike) {
       set_up_by_hand(paths_of(ports) + " " + others.paths()[Device::gyro], [&](const std::string& said) {
         if (was_asked || said.find("Unplug each gyro") == std::string::npos) return;
         was_asked = true;
+        const std::string gone = others.paths()[Device::gyro];
         others.unplug(Device::gyro);
+        while (std::filesystem::exists(gone)) usleep(10'000);
       }));
   EXPECT_TRUE(was_asked);
 }
@@ -122,7 +125,9 @@ TEST_P(InterruptedOnPorts, LeavesTheServoAtRestAndTheOldProfile) {
   rig.write_profile(folder() / "rig.toml");
   const std::string old = tests::file_text(folder() / "rig.toml");
   const std::string step(setup_step_names[static_cast<std::size_t>(GetParam())]);
-  const pid_t setup = start({"setup", "--yes", "--from", step, "--save", "./rig.toml"});
+  std::vector<std::string> words{"setup", "--yes", "--from", step, "--save", "./rig.toml"};
+  for (const Device device : all_devices) words.push_back(rig.ports().paths()[device]);
+  const pid_t setup = start(words);
   const bool moves = GetParam() >= SetupStep::servo;
   for (int i = 0; i < 1200; ++i) {
     const bool is_begun =
