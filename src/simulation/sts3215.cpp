@@ -52,7 +52,7 @@ class Sts3215 final : public SteppedFirmware {
       : SteppedFirmware(baud), habits_(habits), servo_(world, seed, 0.0, sts_top_dps) {
     Random random(seed, "sts3215");
     world.backlash_deg = std::max(world.backlash_deg, habits.play_deg);
-    world.ripple = std::max(world.ripple, habits.unevenness);
+    world.ripple = std::max(world.ripple, habits.unevenness / 2.0);
     servo_ = PositionServo(world, seed, random.uniform(-60.0, 60.0), sts_top_dps);
     error_phase_rad_ = random.uniform(0.0, 2.0 * std::numbers::pi);
     memory_[0] = 3;

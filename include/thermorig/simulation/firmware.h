@@ -120,7 +120,7 @@ struct Sts3215Habits {
   bool echoes = false;              // its half-duplex adapter sends back what the host sends
   bool complains = false;           // of its supply, in each answer, and turns all the same
   double play_deg = 1.0;            // of its gear
-  double unevenness = 0.03;         // of its speed, as a share
+  double unevenness = 0.03;         // of its speed, as a share, from least to most
   double encoder_error_deg = 0.2;   // once a turn
 };
 
