@@ -222,8 +222,7 @@ struct StudyJobs {
 
 StudyJobs study_jobs(const EvaluateOptions& options, const std::vector<network::Acquisition>& acquisitions) {
   StudyJobs jobs{.all = jobs_of_study(options, acquisitions)};
-  jobs.chosen =
-      options.shard ? study::jobs_of(study::shard_from(*options.shard), jobs.all) : jobs.all;
+  jobs.chosen = options.shard ? study::jobs_of(study::shard_from(*options.shard), jobs.all) : jobs.all;
   return jobs;
 }
 
