@@ -61,7 +61,9 @@ TEST_F(Train, MakesAModelAndSaysWhatItIsWorth) {
   EXPECT_THAT(outcome.out, Not(HasSubstr("\x1b")));
   std::istringstream lines(outcome.out);
   for (std::string line; std::getline(lines, line);)
-    if (line.starts_with("epoch ")) EXPECT_LE(line.size(), 80U) << line;
+    if (line.starts_with("epoch ")) {
+      EXPECT_LE(line.size(), 80U) << line;
+    }
   EXPECT_GT(fs::file_size(at("model.onnx")), 89'644U * 4);
   for (const char* name : {"run.json", "metrics.ndjson", "checkpoint.bin", "model.onnx"})
     EXPECT_TRUE(fs::exists(at("model.run") / name)) << name;

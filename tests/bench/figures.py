@@ -145,6 +145,8 @@ def network_differences(figures):
     return limits([
         ("outputs to ONNX Runtime's on the exported file, 30 shapes", figures["onnx_runtime_output_difference"], "{:.1e}",
          "<=", 1e-5),
+        ("the same of networks that scale each window, from degrees to deg/s",
+         figures["onnx_runtime_difference_from_degrees"], "{:.1e}", "<=", 1e-5),
         ("outputs to PyTorch's, models trained and exported there, 30 shapes", figures["pytorch_export_output_difference"],
          "{:.1e}", "<=", 1e-5),
         ("gradients to PyTorch's, 45 trainings, three seeds each", figures["pytorch_gradient_difference"], "{:.1e}", "<=", 1e-4),

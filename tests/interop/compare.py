@@ -159,6 +159,7 @@ def measure(program, library, quick):
         peers = onnx_runtime_differences(interop, library, WINDOWS)
         return {
             "onnx_runtime_output_difference": (max(row["difference"] for row in peers), OUTPUT_LIMIT),
+            "onnx_runtime_difference_from_degrees": (max(row["from_degrees"] for row in peers), OUTPUT_LIMIT),
             "onnx_runtime_shapes": (len(peers), None),
             "pytorch_gradient_difference": (max(row.gradient for row in training), GRADIENT_LIMIT),
             "pytorch_loss_path_difference": (max(statistics.median(row.paths) for row in training), LOSS_LIMIT),

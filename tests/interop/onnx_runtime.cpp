@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "thermorig/core/frame.h"
+
 namespace thermorig::interop {
 
 namespace {
@@ -56,13 +58,15 @@ const ApiBase* open_library(const std::string& library) {
 
 struct OnnxRuntime::Parts {
   network::Shape shape;
+  bool by_window = false;
   const ApiBase* base = nullptr;
   const void* const* api = nullptr;
   Handle session = nullptr;
   std::vector<float> frames;
-  float gyro = 0.0F;
+  float gyro = 0.0F, period = 0.0F;
   std::array<float, 3> outputs{};
-  std::array<Handle, 2> input_values{};
+  std::vector<const char*> input_names;
+  std::vector<Handle> input_values;
   std::array<Handle, 3> output_values{};
 
   template <typename... Argument>
@@ -97,19 +101,28 @@ struct OnnxRuntime::Parts {
   void bind() {
     Handle memory = nullptr;
     call(create_cpu_memory_info, arena_allocator, default_memory, &memory);
-    frames.resize(shape.inputs());
-    input_values = {
-        tensor_over(memory, frames.data(), frames.size(), {1, shape.frames, shape.rows(), shape.columns()}),
-        tensor_over(memory, &gyro, 1, {1, 1})};
+    const std::size_t rows = by_window ? frame_rows : static_cast<std::size_t>(shape.rows());
+    const std::size_t columns = by_window ? frame_columns : static_cast<std::size_t>(shape.columns());
+    frames.resize(static_cast<std::size_t>(shape.frames) * rows * columns);
+    const auto add = [&](const char* name, Handle value) {
+      input_names.push_back(name);
+      input_values.push_back(value);
+    };
+    add("frames",
+        tensor_over(memory, frames.data(), frames.size(),
+                    {1, shape.frames, static_cast<std::int64_t>(rows), static_cast<std::int64_t>(columns)}));
+    if (shape.fusion) add("gyro", tensor_over(memory, &gyro, 1, {1, 1}));
+    if (by_window) add("period", tensor_over(memory, &period, 1, {1, 1}));
     for (std::size_t i = 0; i < outputs.size(); ++i)
       output_values[i] = tensor_over(memory, &outputs[i], 1, {1, 1});
   }
 };
 
 OnnxRuntime::OnnxRuntime(const std::string& library, std::span<const std::uint8_t> model,
-                         const network::Shape& shape)
+                         const network::Shape& shape, bool by_window)
     : parts_(std::make_unique<Parts>()) {
   parts_->shape = shape;
+  parts_->by_window = by_window;
   parts_->base = open_library(library);
   parts_->api = parts_->base->get_api(api_version);
   if (parts_->api == nullptr) fail("its C interface is too new");
@@ -131,14 +144,17 @@ float& OnnxRuntime::gyro() {
   return parts_->gyro;
 }
 
+float& OnnxRuntime::period() {
+  return parts_->period;
+}
+
 network::Output OnnxRuntime::run() {
-  static constexpr std::array inputs{"frames", "gyro"};
   static constexpr std::array fusion_outputs{"fusion", "thermal", "gain"};
   static constexpr std::array thermal_outputs{"thermal"};
   const bool fusion = parts_->shape.fusion;
   const char* const* names = fusion ? fusion_outputs.data() : thermal_outputs.data();
-  parts_->call(run_session, parts_->session, Handle{nullptr}, inputs.data(), parts_->input_values.data(),
-               std::size_t{fusion ? 2U : 1U}, names, std::size_t{fusion ? 3U : 1U},
+  parts_->call(run_session, parts_->session, Handle{nullptr}, parts_->input_names.data(),
+               parts_->input_values.data(), parts_->input_values.size(), names, std::size_t{fusion ? 3U : 1U},
                parts_->output_values.data());
   const auto& outputs = parts_->outputs;
   if (!fusion) return {outputs[0], outputs[0], 1.0F};

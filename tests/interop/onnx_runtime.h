@@ -17,19 +17,22 @@ namespace thermorig::interop {
 /// version.
 class OnnxRuntime {
  public:
-  /// `library`: libonnxruntime.so; `model`: the bytes of an .onnx file. Ends the program with a message where
-  /// either is refused.
-  OnnxRuntime(const std::string& library, std::span<const std::uint8_t> model, const network::Shape& shape);
+  /// `library`: libonnxruntime.so; `model`: the bytes of an .onnx file, which scales each window `by_window`
+  /// or not. Ends the program with a message where either is refused.
+  OnnxRuntime(const std::string& library, std::span<const std::uint8_t> model, const network::Shape& shape,
+              bool by_window = false);
   ~OnnxRuntime();
 
   /// Its version, e.g. "1.30.0".
   std::string version() const;
 
-  /// Runs on what `frames()` and `gyro()` hold.
+  /// Runs on what `frames()`, `gyro()` and, of a network that scales by the window, `period()` hold: the
+  /// inputs of docs/model_format.md.
   network::Output run();
 
   std::span<float> frames();
   float& gyro();
+  float& period();
 
  private:
   struct Parts;
