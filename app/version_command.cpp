@@ -13,7 +13,7 @@ namespace thermorig::app {
 
 namespace {
 
-namespace build = build_information;
+namespace built = build_information;
 
 std::string compiler() {
 #if defined(__clang__)
@@ -24,13 +24,13 @@ std::string compiler() {
 }
 
 nlohmann::json libraries() {
-  return {{"HDF5", build::hdf5},
-          {"Boost", build::boost},
-          {"fmt", build::fmt},
-          {"CLI11", build::cli11},
-          {"zlib", build::zlib},
-          {"nlohmann_json", build::nlohmann_json},
-          {"libserialport", build::libserialport}};
+  return {{"HDF5", built::hdf5},
+          {"Boost", built::boost},
+          {"fmt", built::fmt},
+          {"CLI11", built::cli11},
+          {"zlib", built::zlib},
+          {"nlohmann_json", built::nlohmann_json},
+          {"libserialport", built::libserialport}};
 }
 
 }  // namespace
@@ -38,17 +38,17 @@ nlohmann::json libraries() {
 ExitCode run(const VersionOptions& options) {
   const std::string firmware = make_firmware(FirmwareChoice::avr_image)->description();
   if (options.json) {
-    print_json({{"version", build::version},
-                {"git", build::git},
+    print_json({{"version", built::version},
+                {"git", built::git},
                 {"compiler", compiler()},
-                {"build_type", build::build_type},
+                {"build_type", built::build_type},
                 {"libraries", libraries()},
                 {"simulated_firmware", firmware},
                 {"avr_image", firmware == "AVR image"}});
     return ExitCode::ok;
   }
-  print("thermorig {} ({})\n", build::version, build::git);
-  print("compiler   {}, {}\n", compiler(), build::build_type);
+  print("thermorig {} ({})\n", built::version, built::git);
+  print("compiler   {}, {}\n", compiler(), built::build_type);
   const nlohmann::json used = libraries();
   std::string list;
   for (const auto& [name, version] : used.items())

@@ -116,18 +116,12 @@ std::optional<Session> session_at(const fs::path& path) {
   }
 }
 
-files::ReplacedFile locked(const fs::path& path) {
-  files::ReplacedFile old = session::replaced_session(path);
-  old.lock();
-  return old;
-}
-
 /// One call of the command.
 class Annotating {
  public:
   explicit Annotating(const AnnotateOptions& options)
       : options_(options),
-        old_(locked(options.file)),
+        old_(locked_session(options.file)),
         session_(session::read_session(options.file)),
         output_(output_of(old_.path(), session_)),
         file_(options.file) {

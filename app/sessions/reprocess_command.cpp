@@ -86,12 +86,6 @@ struct MadeAgain {
   std::vector<std::string> applied;
 };
 
-files::ReplacedFile locked(const std::filesystem::path& path) {
-  files::ReplacedFile old = session::replaced_session(path);
-  old.lock();
-  return old;
-}
-
 MadeAgain make_again(files::PartFile& part, const std::filesystem::path& path,
                      const std::vector<Annotation>& annotations,
                      const std::optional<RigProfile>& calibrated) {
@@ -158,7 +152,7 @@ std::string words_of(const std::vector<std::string>& calibrations) {
 void check_files(const std::vector<std::filesystem::path>& files) {
   for (const auto& path : files) {
     spill::arrays_near(path);
-    const files::PartFile room(locked(path));
+    const files::PartFile room(locked_session(path));
     session::read_raw(path);
   }
 }
@@ -173,7 +167,7 @@ ExitCode run(const ReprocessOptions& options) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& path : files) {
     spill::arrays_near(path);
-    files::PartFile part(locked(path));
+    files::PartFile part(locked_session(path));
     const State before = state_before(path);
     const MadeAgain made = make_again(part, path, before.annotations, calibrated);
     const State after = state_of(made.session, session::quality_of(made.session));

@@ -13,6 +13,7 @@
 #include "thermorig/io/files/existing.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/storage/journal/journal.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::app {
 
@@ -55,6 +56,12 @@ fs::path chosen_session_at(const fs::path& path) {
   if (number >= 1 && number <= files.size()) return files[number - 1];
   throw Error(ExitCode::bad_usage, "no session was chosen", path.string(),
               "a number of the list, or name it, e.g. " + shell_word(files.back().string()));
+}
+
+files::ReplacedFile locked_session(const fs::path& path) {
+  files::ReplacedFile old = session::replaced_session(path);
+  old.lock();
+  return old;
 }
 
 void refuse_journal(const std::filesystem::path& path) {

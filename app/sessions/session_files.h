@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "thermorig/io/files/replaced_file.h"
+
 namespace thermorig::app {
 
 /// What a path of the command line stands for: a file for itself, a folder for the sessions in it, at any
@@ -19,6 +21,10 @@ std::filesystem::path one_session_at(const std::filesystem::path& path);
 
 /// The same, but of a folder that holds several one is asked for, where somebody sits at the terminal.
 std::filesystem::path chosen_session_at(const std::filesystem::path& path);
+
+/// The session that is there, to be written again: no other program changes it until that is done. Throws
+/// what ReplacedFile::lock() throws.
+files::ReplacedFile locked_session(const std::filesystem::path& path);
 
 /// Throws Error(not_a_session) for a journal, with how to make a session of it.
 void refuse_journal(const std::filesystem::path& path);
