@@ -34,7 +34,7 @@ std::string timing_line(const std::string& name, const std::string& words) {
 
 std::string clock_table(const SyncReport& sync) {
   Table table(
-      {"clock", "method", ">rate /s", ">skew ppm", ">wander ppm", ">late p50 ms", ">p95", ">max", ">+- ms"});
+      {"clock", "method", ">rate /s", ">skew ppm", ">wander ppm", ">late p50", ">p95", ">max ms", ">+- ms"});
   for (const Device device : all_devices) {
     const ClockReport& clock = sync.clock[device];
     if (clock.method.empty()) {

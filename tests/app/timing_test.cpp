@@ -22,7 +22,7 @@ TEST_F(Timing, TellsOfClocksBoundsOffsetsAndResiduals) {
   const Outcome outcome = run("inspect --timing " + session.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   for (const char* part :
-       {"SIMULATED", "one-way", "two-way", "late p50 ms", "delay < 2.00 ms", "proof", "camera - gyro",
+       {"SIMULATED", "one-way", "two-way", "late p50", "delay < 2.00 ms", "proof", "camera - gyro",
         "gyro bias", "gyro scale", "assumed", "servo scale", "verdict", "thermorig calibrate scale"})
     EXPECT_THAT(outcome.out, HasSubstr(part));
 }
