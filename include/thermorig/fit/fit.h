@@ -8,7 +8,7 @@
 namespace thermorig::fit {
 
 /// First pass: what the bytes, their arrivals and the streams decoded from them say about the recording as a
-/// whole: mode, missing frames, clocks, camera offset, gyro errors, servo response. Whatever cannot be told
+/// whole: mode, missing frames, clocks, camera offset, gyro errors, servo response. Whatever cannot be known
 /// is absent, and the report says why. `streams` are those of a Pipeline without fits over `raw`. What does
 /// not hang on one another is handed to `run_all`; who does it makes no difference to the result.
 pipeline::Fits fit_recording(const RawRecording& raw, pipeline::Streams streams,

@@ -19,7 +19,7 @@ struct Interruption {
   HostTime time{};
 };
 
-/// An event that tells of a device's going (`device_lost` or `missing`, with its source).
+/// An event that says that a device went (`device_lost` or `missing`, with its source).
 bool is_interruption(const RecordingEvent& event);
 
 /// All of a recording, in order of time: what its events tell.

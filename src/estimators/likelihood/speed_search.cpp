@@ -12,7 +12,7 @@ namespace thermorig::likelihood {
 namespace {
 
 // Assumed: a motor holds its rate. A hand does not, and may, since the density of what is expected has heavy
-// tails. With 100 the errors of faint rooms are a fifth larger; with 12 turns are told worse.
+// tails. With 100 the errors of faint rooms are a fifth larger; with 12 turns are known worse.
 constexpr double change_dps2 = 25.0;
 
 }  // namespace

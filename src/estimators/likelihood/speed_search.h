@@ -12,13 +12,13 @@
 
 namespace thermorig::likelihood {
 
-/// The rate that a window told by its own images: what was expected before it is not in it.
+/// The rate by the window's own images: what was expected before it is not in it.
 struct EarlierRate {
   HostTime end{};  // of its exposures
   double rate_dps = 0.0, sigma_dps = 0.0;
 };
 
-/// What the windows before have told: what is expected of the next one. Each tells by itself, so that one
+/// What the windows before have shown: what is expected of the next one. Each speaks for itself, so that one
 /// that is wrong is gone as soon as there is another.
 class EarlierRates {
  public:

@@ -23,7 +23,7 @@ struct NisBounds {
   double most;
 };
 inline constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis, most_nis};  // where nothing moves but the rig
-// There the share of the halves counts that do not fit: how badly they do tells of what moves.
+// There the share of the halves counts that do not fit: how badly they do shows that something moves.
 inline constexpr NisBounds nis_in_traffic{4.5, 4.0, 5.5, 7.0, 9.0};
 constexpr const NisBounds& nis_bounds(bool things_move) {
   return things_move ? nis_in_traffic : nis_at_rest;

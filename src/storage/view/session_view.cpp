@@ -28,7 +28,7 @@ namespace thermorig::view {
 
 namespace {
 
-/// A column as the page is told of it.
+/// A column as the page gets it.
 struct ColumnName {
   std::string name;       // with its unit: "shaft_dps"
   std::string_view type;  // f64, f32, u32, u16 or u8

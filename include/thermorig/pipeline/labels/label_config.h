@@ -12,7 +12,7 @@ namespace thermorig::labels {
 /// Commanded speeds that differ by less are the same one: telemetry counts centidegrees per second.
 inline constexpr double constant_dps = 0.015;
 
-/// Standard deviation of a bias that nothing tells.
+/// Standard deviation of a bias of which nothing is known.
 inline constexpr double unknown_bias_dps = 20.0;
 
 struct LabelConfig {
