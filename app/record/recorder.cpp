@@ -157,7 +157,7 @@ RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig,
     if (page) run.orders = [&] { return page->take_orders(); };
     run.notice = [&](const std::string& sentence) { shown->note(sentence); };
     const auto drive = [&] { return run_recording(rig, options.fast, run); };
-    summary.result = page ? shown_on(*page, drive) : drive();
+    summary.result = page ? told(*page, drive) : drive();
     if (!options.fast) summary.cpu_share = cpu.share();
   }
   output.finish();

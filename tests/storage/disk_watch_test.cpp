@@ -44,7 +44,7 @@ class LateSyncs : public testing::Test {
 TEST_F(LateSyncs, AreOfASlowDiskWhereTheSyncTookLong) {
   const std::string text = said(milliseconds(234), milliseconds(130));
   EXPECT_THAT(text, HasSubstr("the disk is slow: a sync took 130 ms"));
-  EXPECT_THAT(text, HasSubstr("received 234 ms ago"));
+  EXPECT_THAT(text, HasSubstr("in the last 234 ms"));
 }
 
 TEST_F(LateSyncs, AreOfABusyComputerWhereItDidNot) {
