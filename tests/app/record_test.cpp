@@ -343,7 +343,7 @@ TEST_F(Record, RefusesContradictingWords) {
   expect_refused("record --environment garden --control --simulated -n", 2, "no page is served");
   expect_refused(honest_rig + "--plan nowhere.toml", 2, "nowhere.toml");
   expect_refused(honest_rig + "--speeds 30,900", 2, "900");
-  expect_refused(honest_rig + "--licence " + std::string(1001, 'x'), 2, "--licence is no line");
+  expect_refused(honest_rig + "--licence " + std::string(1001, 'x'), 2, "--licence is not a line");
 }
 
 TEST_F(Record, SaysWhichPortDoesNotExist) {

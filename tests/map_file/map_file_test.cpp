@@ -83,7 +83,7 @@ TEST(MapFile, SaysThatAnotherVersionMadeIt) {
   std::string newer = bytes_of(small_map());
   newer[7] = '3';
   EXPECT_THAT(refusal_of(newer), HasSubstr("another version"));
-  EXPECT_THAT(refusal_of("name = \"rig\""), HasSubstr("no map"));
+  EXPECT_THAT(refusal_of("name = \"rig\""), HasSubstr("not a map"));
 }
 
 TEST(MapFile, AMapOfAnotherLensOrOrderIsRefusedInWords) {
