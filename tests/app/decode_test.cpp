@@ -228,7 +228,7 @@ TEST_F(Decode, BlamesTheBaudRateOfBytesWithoutSense) {
   for (std::uint32_t i = 0, random = 7; i < 20000; ++i)
     noise.push_back(static_cast<std::uint8_t>((random = random * 1664525U + 1013904223U) >> 24U));
   write("noise.bin", noise);
-  EXPECT_THAT(run("decode --device gyro noise.bin").err, HasSubstr("try: another baud rate"));
+  EXPECT_THAT(run("decode --device gyro noise.bin").err, HasSubstr("at another baud rate"));
 }
 
 TEST_F(Decode, NamesLinesThatAreLongerThanTheLimit) {

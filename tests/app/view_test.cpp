@@ -98,7 +98,7 @@ TEST_F(View, KeepsItsAddressWhereOnlyItsUserReadsIt) {
   }));
   EXPECT_THAT(file_text(kept), HasSubstr("http://127.0.0.1:"));
   kill(process, SIGINT);
-  EXPECT_THAT(wait(process).out, HasSubstr("stands under \"url\" in " + kept.string()));
+  EXPECT_THAT(wait(process).out, HasSubstr("is under \"url\" in " + kept.string()));
 }
 
 TEST_F(View, ServesUntilItIsInterrupted) {
