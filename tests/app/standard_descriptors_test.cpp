@@ -41,7 +41,7 @@ TEST_F(ClosedDescriptors, LeaveRecordingsAndWhatIsMadeOfThemWhole) {
   EXPECT_TRUE(files(".journal").empty());
   EXPECT_EQ(code_of("reprocess " + sessions[0].string(), "<&- >&-"), 0);
   EXPECT_EQ(code_of("inspect --check " + sessions[0].string(), "<&- >&-"), 0);
-  EXPECT_EQ(code_of("live --speed max --replay " + sessions[0].string(), "<&- >&-"), 0);
+  EXPECT_EQ(code_of("live --speed max --page-port 0 --replay " + sessions[0].string(), "<&- >&-"), 0);
   EXPECT_EQ(code_of("train recordings --nf 2 --nr 3 --epochs 1 -o model.onnx", "<&- >&-"), 0);
   EXPECT_EQ(code_of("evaluate model.onnx recordings", "<&- >&-"), 0);
 }
