@@ -85,7 +85,7 @@ TEST_F(Unwritten, ResultsAboutSessionsAreExitCode7) {
   const std::string session = record_briefly().string();
   give_full_disk();
   expect_told_by_each({"inspect " + session, "recover recordings", "reprocess " + session, "doctor",
-                       "live --speed max --replay " + session, "--version"});
+                       "live --speed max --page-port 0 --replay " + session, "--version"});
   EXPECT_EQ(files(".h5").size(), 1U);
 }
 
