@@ -1,23 +1,26 @@
 # SPDX-License-Identifier: MIT
-"""Lines covered of each module, from a folder with one file of lcov's format a module; exit code 1 if one is below the limit."""
+"""Lines covered of each module, from a folder with one file of lcov's format a module; exit code 1 if one is below the limit.
+MODULE+OTHER: the tests of the other one count for it, too."""
 
 import os
 import re
 import sys
 
 
-def lines_of_module(path, module):
+def lines_of_module(folder, module, *others):
     """(covered, missing) of a module's sources and headers; missing as "file:line"."""
-    counts, file = {}, None
+    counts = {}
     own = re.compile(rf"(?:^|/)((?:src|include/thermorig)/(?:[a-z_]+/)?{module}/[^/]+)$")  # behind paths of the build folder
-    with open(path, encoding="utf-8") as source:
-        for record in source:
-            kind, _, rest = record.strip().partition(":")
-            if kind == "SF":
-                file = found[1] if (found := own.search(rest)) else None
-            elif kind == "DA" and file:
-                line, count = map(int, rest.split(",")[:2])
-                counts[file, line] = counts.get((file, line), 0) + count
+    for tested in (module, *others):
+        file = None
+        with open(os.path.join(folder, f"{tested}.lcov"), encoding="utf-8") as source:
+            for record in source:
+                kind, _, rest = record.strip().partition(":")
+                if kind == "SF":
+                    file = found[1] if (found := own.search(rest)) else None
+                elif kind == "DA" and file:
+                    line, count = map(int, rest.split(",")[:2])
+                    counts[file, line] = counts.get((file, line), 0) + count
     missing = [f"{name}:{line}" for (name, line), count in sorted(counts.items()) if count == 0]
     return len(counts) - len(missing), missing
 
@@ -27,8 +30,8 @@ def main(arguments):
     folder, least, *modules = [word for word in arguments if word != "--missing"]
     good = True
     print("module    lines  covered")
-    for module in modules:
-        covered, missing = lines_of_module(os.path.join(folder, f"{module}.lcov"), module)
+    for module, *others in (word.split("+") for word in modules):
+        covered, missing = lines_of_module(folder, module, *others)
         total = covered + len(missing)
         share = 100.0 * covered / total if total else 0.0
         good = good and share >= float(least)
