@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 
 #include "print/output.h"
+#include "thermorig/core/error.h"
 #include "thermorig/core/frame.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/spill/spill.h"
@@ -19,13 +21,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// While sessions are read, arrays that are too large for it lie on a disk as well, but none that training
-/// makes later.
+/// An array of so many bytes is one for the disk: a recording of some seconds.
+constexpr std::size_t array_bytes = 64 * frame_pixels * sizeof(std::int16_t);
+
+/// While sessions are read, arrays that memory has no room for lie on a disk, but none that training makes
+/// later.
 class ArraysOfReading {
  public:
   ArraysOfReading(const fs::path& near, std::uint64_t kept_bytes) : near_(near) {
-    constexpr std::uint64_t sessions_bytes = 256'000'000;
-    spill::arrays_near(near_, {.in_memory_bytes = kept_bytes + sessions_bytes});
+    spill::arrays_near(near_, {.array_bytes = array_bytes, .in_memory_bytes = kept_bytes});
   }
   ~ArraysOfReading() { spill::arrays_near(near_, {.array_bytes = std::numeric_limits<std::size_t>::max()}); }
   ArraysOfReading(const ArraysOfReading&) = delete;
@@ -54,12 +58,17 @@ dataset::Acquisitions FrameMemory::read(SessionOptions options, std::uint64_t by
   const ArraysOfReading on_disk(near_, bytes_);
   options.packs = true;
   dataset::Acquisitions data = read_data(options);
-  std::uint64_t frames = 0;
+  std::uint64_t frames = 0, large_bytes = 0;
   for (const network::Acquisition& acquisition : data.acquisitions) {
+    const std::uint64_t bytes = acquisition.packed->bytes();
     frames += acquisition.frames();
-    packed_bytes_ += acquisition.packed->bytes();
+    packed_bytes_ += bytes;
+    if (bytes >= array_bytes) large_bytes += bytes;
   }
   bytes_on_disk_ = spill::spilled_bytes();
+  if (large_bytes > bytes_ + bytes_on_disk_)
+    throw Error(ExitCode::storage, "no disk has room for the frames that memory may not take", near_.string(),
+                "free some space, set TMPDIR to a disk that has room, or allow more --memory");
   if (bytes_on_disk_ == 0 && frames * (frame_pixels * sizeof(float) + bytes_beside_a_frame) <= bytes_) {
     unpack(data.acquisitions);
     packed_bytes_ = 0;

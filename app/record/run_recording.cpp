@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "run_recording.h"
 
+#include <utility>
+
 #include "interrupts.h"
 #include "thermorig/rig/recording/virtual_recording.h"
 #include "thermorig/simulation/virtual_rig.h"
@@ -36,9 +38,15 @@ rig::RecordingResult run_recording(const ChosenRig& rig, bool in_virtual_time,
   if (!in_virtual_time) return rig::record_ports(options);
   watch_interrupts();  // the first closes the recording; the second ends the program and leaves the journal
   VirtualBus bus(*rig.simulated, options.recording.profile);
+  bool is_noticed = false;
+  const auto stop_requested = [&] {
+    if (!interrupted()) return false;
+    if (!std::exchange(is_noticed, true) && options.notice) options.notice("stopping");
+    return true;
+  };
   return rig::record_virtual(bus, {.recording = options.recording,
                                    .start = rig.simulated->start,
-                                   .stop_requested = interrupted,
+                                   .stop_requested = stop_requested,
                                    .orders = options.orders,
                                    .progress = options.progress,
                                    .progress_period = options.progress_period});

@@ -7,7 +7,7 @@
 namespace thermorig::app {
 
 /// One recording, whatever shows it: on ports or, in virtual time, of the simulated rig with the firmware's
-/// host build. `options.notice` is of ports alone. Throws as rig::record_ports() and rig::record_virtual().
+/// host build. Throws as rig::record_ports() and rig::record_virtual().
 rig::RecordingResult run_recording(const ChosenRig& rig, bool in_virtual_time,
                                    const rig::PortOptions& options);
 

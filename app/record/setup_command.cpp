@@ -205,9 +205,16 @@ ExitCode prove(const SetupOptions& options, const RigProfile& profile, TerminalS
   doctor.record.plan = "quick";
   doctor.record.rig = RigOptions();
   doctor.record.rig.profile = options.save;
-  if (const ExitCode exit = run(doctor); exit != ExitCode::ok) {
-    world.say("the profile is written; when that is fixed  " + world.command_again(SetupStep::session) +
-              "\n");
+  ExitCode exit = ExitCode::interrupted;
+  try {
+    exit = run(doctor);
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::interrupted) throw;
+  }
+  if (exit != ExitCode::ok) {
+    world.say(exit == ExitCode::interrupted ? "stopped: the profile is written  "
+                                            : "the profile is written; when that is fixed  ");
+    world.say(world.command_again(SetupStep::session) + "\n");
     return exit;
   }
   RecordOptions record = doctor.record;

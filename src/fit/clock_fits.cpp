@@ -11,7 +11,9 @@
 
 #include "ping_exchanges.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/fit/clocks/recorded_clock.h"
+#include "thermorig/pipeline/final_times.h"
 #include "thermorig/pipeline/timing/own_time.h"
 #include "thermorig/pipeline/timing/ping_clock.h"
 #include "thermorig/sensors/gyro_protocol.h"
@@ -177,30 +179,33 @@ ClockFit fit_servo_clock(const RawStream& received, const RawStream& sent, const
   return {std::move(fit.times), std::move(fit.report)};
 }
 
-std::optional<Estimate> rate_scale_by_steps(std::span<const TimedServo> servo) {
+std::optional<double> rate_scale_by_steps(std::span<const TimedServo> servo, double longest_gap_s) {
   constexpr double jitter_s = 0.005;  // of an arrival, by USB and the board's line
-  constexpr double shortest_s = 1.0, most_gap_s = 0.25, good_enough = 0.001;
+  constexpr double shortest_s = 1.0, good_enough = 0.001;
   double weights = 0.0, weighted = 0.0;
   for (std::size_t first = 0; first < servo.size();) {
     const ServoState& begin = servo[first].state;
-    std::size_t last = first;
+    const auto since_s = [&](std::size_t i) { return to_s(servo[i].stamp.time - servo[first].stamp.time); };
+    std::size_t end = first + 1;
     const auto goes_on = [&](const TimedServo& next) {
       return next.state.motion == ServoMotion::steady && next.state.rate_dps == begin.rate_dps &&
-             !next.lost_before && to_s(next.stamp.time - servo[last].stamp.time) < most_gap_s;
+             !next.lost_before && to_s(next.stamp.time - servo[end - 1].stamp.time) < longest_gap_s;
     };
     if (begin.motion == ServoMotion::steady && begin.rate_dps != 0.0)
-      while (last + 1 < servo.size() && goes_on(servo[last + 1])) ++last;
-    const double turned_deg = servo[last].state.angle_deg - begin.angle_deg;
-    const double time_s = to_s(servo[last].stamp.time - servo[first].stamp.time);
-    if (time_s >= shortest_s) {
+      while (end < servo.size() && goes_on(servo[end])) ++end;
+    if (const double time_s = since_s(end - 1); time_s >= shortest_s) {
+      LineFit angle_deg;  // by all reports: one that was read late moves it little
+      for (std::size_t i = first; i < end; ++i) angle_deg.add(since_s(i), servo[i].state.angle_deg);
       const double weight = time_s * time_s / (2.0 * jitter_s * jitter_s);
       weights += weight;
-      weighted += weight * turned_deg / (begin.rate_dps * time_s);
+      weighted += weight * angle_deg.slope() / begin.rate_dps;
     }
-    first = last + 1;
+    first = end;
   }
   if (!(weights * good_enough * good_enough >= 1.0)) return std::nullopt;
-  return Estimate{weighted / weights, 1.0 / std::sqrt(weights)};
+  const double scale = weighted / weights;
+  if (!(std::abs(scale - 1.0) < pipeline::most_clock_off)) return std::nullopt;
+  return scale;
 }
 
 ClockFit joined(std::vector<ClockPiece> pieces, const std::string& device, double nominal_rate_hz) {

@@ -35,9 +35,10 @@ ClockFit fit_servo_clock(const RawStream& received, const RawStream& sent, const
                          const ServoProfile& profile);
 
 /// Of a servo that counts its steps and has no time: how much faster than it states it turns, by the angles
-/// that it reports over its steady legs. Their times are those of arrivals, so that seconds are needed. None:
-/// too little is steady for a share of a thousandth.
-std::optional<Estimate> rate_scale_by_steps(std::span<const TimedServo> servo);
+/// that it reports over its steady legs, in which no silence is longer than `longest_gap_s`. Their times are
+/// those of arrivals, so that seconds are needed. None: too little is steady for a share of a thousandth, or
+/// the angles are further off than any clock.
+std::optional<double> rate_scale_by_steps(std::span<const TimedServo> servo, double longest_gap_s);
 
 /// One piece of a device's stream between two of its absences, and the clock fitted to it.
 struct ClockPiece {

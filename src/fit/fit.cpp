@@ -203,13 +203,13 @@ std::string mend_bad_pixels(std::vector<TimedFrame>& frames) {
 
 /// A servo that turns otherwise than commanded may have a setting of its own that says so.
 void name_setting(const sensors::ServoProtocol& protocol, const Streams& streams, Witnesses& witnesses) {
-  const bool is_undecided = witnesses.outlier == Witness::undecided;
-  const bool may_be_it = witnesses.outlier == Witness::command || is_undecided;
+  const bool may_be_it = witnesses.outlier == Witness::command || witnesses.outlier == Witness::undecided;
   if (!may_be_it || !witnesses.gyro_share || protocol.scale_cause == nullptr) return;
+  if (witnesses.gyro_share->value < least_turning_share) return;  // it does not turn, or the other way
   const auto found = protocol.scale_cause(witnesses.gyro_share->value, streams.servo_answers);
   if (!found) return;
   witnesses.cause += "; or " + found->why;
-  witnesses.remedy = is_undecided ? witnesses.remedy + ", or " + found->remedy : found->remedy;
+  witnesses.remedy += ", or " + found->remedy;
 }
 
 }  // namespace
@@ -226,9 +226,12 @@ Fits fit_recording(const RawRecording& raw, Streams streams, const RunAll& run_a
   fits.gaps = std::move(rhythm.gaps);
   expose(streams.frames, profile.camera, fits);
   const sensors::ServoProtocol& servo_protocol = sensors::servo_protocol(profile.servo.protocol);
-  if (const auto scale = servo_protocol.counts_steps ? rate_scale_by_steps(streams.servo) : std::nullopt) {
-    fits.servo_rate_scale = scale->value;
-    for (TimedServo& servo : streams.servo) servo.state.rate_dps *= scale->value;
+  const auto scale = servo_protocol.counts_steps
+                         ? rate_scale_by_steps(streams.servo, servo_protocol.longest_gap_s)
+                         : std::nullopt;
+  if (scale) {
+    fits.servo_rate_scale = *scale;
+    for (TimedServo& servo : streams.servo) servo.state.rate_dps *= *scale;
   }
 
   SyncReport sync;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -52,6 +53,11 @@ class NotedLegs {
  private:
   std::uint16_t noted_ = 0, asked_ = 0;
 };
+
+/// Of a measured angle: its count's own, and what the shaft turns in the time by which it may be late.
+inline float reading_uncertainty_deg(double count_deg, double rate_dps, double late_s) {
+  return static_cast<float>(std::hypot(count_deg, rate_dps * late_s) / std::sqrt(12.0));
+}
 
 /// Whom the answers were from.
 struct HeardServos {

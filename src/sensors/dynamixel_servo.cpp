@@ -59,14 +59,12 @@ ServoState servo_state(Bytes telemetry, std::uint16_t leg) {
   return state;
 }
 
-/// A count is as uncertain as its step, and as what the shaft turns within a tick of the clock.
 ShaftReading shaft_reading(Bytes telemetry, const ServoState& state) {
-  const double count_deg = dynamixel::position_deg / std::sqrt(12.0);
-  const double tick_deg = state.rate_dps * 1e-6 * milliseconds_us / std::sqrt(12.0);
   return {.mcu_us = state.mcu_us,
           .angle_deg = angle_deg(telemetry, dynamixel::at::present_position),
           .turn_deg = 0.0,
-          .uncertainty_deg = static_cast<float>(std::hypot(count_deg, tick_deg))};
+          .uncertainty_deg =
+              reading_uncertainty_deg(dynamixel::position_deg, state.rate_dps, 1e-6 * milliseconds_us)};
 }
 
 /// Half-duplex adapters may send back what the host sent: an instruction, sound and of no use.

@@ -19,7 +19,7 @@ namespace {
 namespace sts3215 = wire::sts3215;
 using sts3215::Bytes;
 
-constexpr double reached_share = 0.85;  // of the speed it was given: its own is uneven by 7 %
+constexpr double reached_share = 0.85;  // of the speed it was given: its own may be uneven (assumed)
 constexpr double reached_counts = 3.0;  // and more than that slower does not show in its speed
 constexpr int settled = 6;              // messages with that speed, until its loop has caught up
 // A load that keeps it off its goal has it say for ever that it moves.
@@ -81,13 +81,10 @@ class ProfileWatch {
   int with_speed_ = 0;  // messages since its goal
 };
 
-/// A count is as uncertain as its step, and as what the shaft turns while its answer is under way.
 ShaftReading reading_of(const ServoState& state) {
-  const double count_deg = sts3215::position_deg / std::sqrt(12.0);
-  const double late_deg = state.rate_dps * arrival_s / std::sqrt(12.0);
   return {.angle_deg = state.angle_deg,
           .turn_deg = 0.0,
-          .uncertainty_deg = static_cast<float>(std::hypot(count_deg, late_deg))};
+          .uncertainty_deg = reading_uncertainty_deg(sts3215::position_deg, state.rate_dps, arrival_s)};
 }
 
 class Sts3215Framing {

@@ -357,6 +357,7 @@ TEST_F(Train, GivesTheSameFileFromPackedFrames) {
   const auto start = run(small + "-o packed.onnx --memory 0 --json").lines().at(0);
   EXPECT_EQ(file_text(at("floats.onnx")), file_text(at("packed.onnx")));
   EXPECT_EQ(start["memory_bytes"], 0);
+  EXPECT_GT(start["bytes_on_disk"], 0);
   const double bytes_a_pixel =
       start["packed_bytes"].get<double>() / 24 / 32 / start["data"]["frames"].get<int>();
   EXPECT_EQ(bytes_a_pixel, 2.0);  // hundredths of a degree

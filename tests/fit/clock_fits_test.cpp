@@ -190,5 +190,38 @@ TEST(CameraClock, NeedsTheCountOfMissingFrames) {
   EXPECT_TRUE(fit_camera_clock(received, std::vector{frame}, {}, CameraProfile{}).times.empty());
 }
 
+/// Reports of a stepper, ten a second, over one leg at a speed that it states as 90 deg/s.
+std::vector<TimedServo> steady_leg(double seconds, double true_dps) {
+  std::vector<TimedServo> leg;
+  for (double t = 0.0; t < seconds; t += 0.1) {
+    TimedServo& report = leg.emplace_back();
+    report.state.motion = ServoMotion::steady;
+    report.state.rate_dps = 90.0;
+    report.state.angle_deg = true_dps * t;
+    report.stamp.time = HostTime(from_s(t));
+  }
+  return leg;
+}
+
+TEST(RateScaleBySteps, IsThatOfItsAnglesOverSteadyLegs) {
+  const auto scale = rate_scale_by_steps(steady_leg(8.0, 90.45), 0.25);
+  ASSERT_TRUE(scale);
+  EXPECT_NEAR(*scale, 1.005, 1e-6);
+  EXPECT_FALSE(rate_scale_by_steps(steady_leg(0.9, 90.45), 0.25)) << "too short";
+}
+
+TEST(RateScaleBySteps, FollowsOneReportThatWasReadLateByLittle) {
+  std::vector<TimedServo> leg = steady_leg(8.0, 90.0);
+  leg.back().stamp.time += from_s(0.1);
+  const auto scale = rate_scale_by_steps(leg, 0.25);
+  ASSERT_TRUE(scale);
+  EXPECT_NEAR(*scale, 1.0, 0.002);
+}
+
+TEST(RateScaleBySteps, IsNoneWhereAnglesAreFurtherOffThanAnyClock) {
+  EXPECT_FALSE(rate_scale_by_steps(steady_leg(8.0, 100.0), 0.25));
+  EXPECT_FALSE(rate_scale_by_steps(steady_leg(8.0, 1e308), 0.25));
+}
+
 }  // namespace
 }  // namespace thermorig::fit

@@ -168,11 +168,12 @@ TEST(Label, OfACalibratedCameraIsAsUnsureAsItsLatencyAlone) {
   profile.servo.link.latency_uncertainty_s = 0.0004;
   SyncReport sync;
   sync.clock[Device::gyro].latency_uncertainty_s = 0.002;
-  EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, 0.0005, 1e-9);  // by the servo's clock
+  EXPECT_NEAR(label_config(profile, sync, false).latency_uncertainty_s, 0.0005,
+              1e-9);  // by the servo's clock
   sync.servo.fitted = true;
-  EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, std::hypot(0.0003, 0.002), 1e-9);
+  EXPECT_NEAR(label_config(profile, sync, false).latency_uncertainty_s, std::hypot(0.0003, 0.002), 1e-9);
   profile.camera.link.latency_measured_utc = "2026-07-25T14:35:12Z";  // against the gyro
-  EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, 0.0003, 1e-9);
+  EXPECT_NEAR(label_config(profile, sync, false).latency_uncertainty_s, 0.0003, 1e-9);
 }
 
 TEST(Label, OfACameraThatItsImagesShiftedIsAsUnsureAsTheShift) {
@@ -180,10 +181,10 @@ TEST(Label, OfACameraThatItsImagesShiftedIsAsUnsureAsTheShift) {
   SyncReport sync;
   sync.camera_offset = {.offset_s = Estimate{0.004, 0.0003}, .why_not = {}, .halves = 200, .applied = true};
   sync.clock[Device::camera].latency_uncertainty_s = 0.002;
-  const double by_servo_s = label_config(profile, sync).latency_uncertainty_s;
+  const double by_servo_s = label_config(profile, sync, false).latency_uncertainty_s;
   EXPECT_NEAR(by_servo_s, std::hypot(0.002, profile.servo.link.latency_uncertainty_s), 1e-9);
   sync.servo.fitted = true;
-  EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, 0.0003, 1e-9);
+  EXPECT_NEAR(label_config(profile, sync, false).latency_uncertainty_s, 0.0003, 1e-9);
 }
 
 TEST(Label, WithoutAFitContainsWhatServosAreKnownFor) {

@@ -27,7 +27,7 @@ LabelledSample measured_live(double measured_dps) {
   profile.encoder.error_deg = 0.02;
   profile.servo = rig.config.servo;
   profile.gyro.bias_uncertainty_dps = 0.5;
-  rig.config = label_config(profile, {});
+  rig.config = label_config(profile, {}, false);
   return rig.run(4.0).at(20);
 }
 

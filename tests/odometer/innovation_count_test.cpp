@@ -14,10 +14,10 @@ InnovationCount count_of(const std::function<double(int, double)>& off_deg) {
   InnovationCount count;
   for (int i = 0; i < 200; ++i) {
     const double rate_dps = i / 20 % 2 == 0 ? 80.0 : -80.0;
-    const bool is_other_view = i % 10 == 0;
+    const bool is_far_off = i % 10 == 0;
     count.add({.is_judged = true,
-               .squared = is_other_view ? 25.0 : 0.7,
-               .innovation_deg = is_other_view ? off_deg(i / 10, rate_dps) : 0.1,
+               .squared = is_far_off ? 25.0 : 0.7,
+               .innovation_deg = is_far_off ? off_deg(i / 10, rate_dps) : 0.1,
                .rate_dps = rate_dps});
   }
   return count;

@@ -235,7 +235,7 @@ TEST(ServoResponse, LabelsAfterCalibrationAreTheShaftsSpeed) {
     const RigProfile calibrated = calibrated_profile(recording);
     const SyncReport sync = fit(recording, calibrated);
     EXPECT_TRUE(sync.servo.scale_calibrated);
-    LabelConfig config = label_config(calibrated, sync);
+    LabelConfig config = label_config(calibrated, sync, false);
     config.latency_uncertainty_s = 2e-4;
     const Verdict verdict = judge(recording, label(recording, config));
     EXPECT_GT(verdict.valid, 150U);
@@ -250,7 +250,7 @@ TEST(ServoResponse, CorrectedLabelsAreCloserToTheShaftThanTheCommandAndBothSayHo
   for (const double travel_deg : {180.0, 270.0, 2160.0}) {
     const TrueTimes recording = record(rig_of(travel_deg, 8.0, seed++), speeds_dps);
     const RigProfile calibrated = calibrated_profile(recording);
-    LabelConfig config = label_config(calibrated, fit(recording, calibrated));
+    LabelConfig config = label_config(calibrated, fit(recording, calibrated), false);
     config.latency_uncertainty_s = 2e-4;
     const auto samples = label(recording, config);
     const Verdict commanded = judge(recording, samples, &LabelledSample::rate_commanded_dps,
@@ -274,7 +274,7 @@ TEST(ServoResponse, ASpeedThatIsNotReachedIsNamedAndLeftOutOfTheFit) {
   EXPECT_LT(sync.servo.speeds.back().reached_dps, 190.0);
   EXPECT_NEAR(sync.servo.gyro_ratio.value, scale, 0.002);  // as if it had never been commanded
   std::size_t at_200 = 0;
-  for (const LabelledSample& sample : label(recording, label_config(recording.profile, sync))) {
+  for (const LabelledSample& sample : label(recording, label_config(recording.profile, sync, false))) {
     if (!(std::abs(sample.rate_commanded_dps) > 199.0)) continue;
     EXPECT_FALSE(sample.valid);
     ++at_200;
@@ -336,9 +336,9 @@ TEST(Ripples, OfAWheelOffItsCentreAreFoundAndFollowedByTheLabels) {
               0.7);  // in degrees of what is commanded: scale is in it
   EXPECT_NEAR(sizes(sync.servo.ripples[0]).first, 0.015, 0.003);
   EXPECT_NEAR(sizes(sync.servo.ripples[0]).second, 0.015, 0.003);
-  const Verdict followed = judge(recording, label(recording, label_config(profile, sync)));
+  const Verdict followed = judge(recording, label(recording, label_config(profile, sync, false)));
   sync.servo.ripples.clear();
-  const Verdict ignored = judge(recording, label(recording, label_config(profile, sync)));
+  const Verdict ignored = judge(recording, label(recording, label_config(profile, sync, false)));
   EXPECT_LT(followed.rms_dps, 0.3);
   EXPECT_GT(ignored.rms_dps, 1.5 * followed.rms_dps);
 }
@@ -368,7 +368,8 @@ TEST(GyroNoise, ThatIsHeardInMotionAloneIsNoUnsteadinessOfTheShaft) {
   const SyncReport sync = fit(recording, profile);
   for (const auto& speed : sync.servo.speeds) EXPECT_NEAR(speed.noise_dps, 4.0, 1.0) << speed.rate_dps;
   EXPECT_LT(sync.gyro.noise_dps, 1.0);
-  for (const LabelConfig& config_of : {label_config(profile, sync), label_config(profile)}) {
+  for (const LabelConfig& config_of :
+       {label_config(profile, sync, false), label_config(profile, {}, false)}) {
     const Verdict verdict = judge(recording, label(recording, config_of));
     EXPECT_LT(verdict.rejected, verdict.steady / 10);
   }
@@ -407,7 +408,7 @@ TEST(ServoResponse, TheGyroAgreesInRampsAndReversalsToo) {
   const TrueTimes recording = record(rig_of(180.0, 8.0, 46), speeds_dps);
   const SyncReport sync = fit(recording, recording.profile);
   std::size_t ramps = 0, disagreeing = 0;
-  for (const LabelledSample& sample : label(recording, label_config(recording.profile, sync))) {
+  for (const LabelledSample& sample : label(recording, label_config(recording.profile, sync, false))) {
     if ((sample.reason_bits & bit(Reason::servo_ramp)) == 0) continue;
     ++ramps;
     disagreeing += (sample.reason_bits & bit(Reason::gyro_disagrees)) != 0 ? 1 : 0;
@@ -424,7 +425,7 @@ TEST(ServoResponse, IsAsGoodAsAssumedWhereNoLegTold) {
   EXPECT_TRUE(std::isnan(response.residual_dps));
   const SyncReport sync = fit(recording, recording.profile);
   std::size_t known = 0;
-  for (const LabelledSample& sample : label(recording, label_config(recording.profile, sync)))
+  for (const LabelledSample& sample : label(recording, label_config(recording.profile, sync, false)))
     if (std::isfinite(sample.rate_shaft_dps)) {
       EXPECT_GE(sample.rate_shaft_uncertainty_dps, 0.25F);  // what is assumed of a servo
       ++known;

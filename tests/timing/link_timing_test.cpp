@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/pipeline/timing/link_timing.h"
+#include "thermorig/pipeline/timing/least_lateness.h"
 
 #include <gtest/gtest.h>
 
@@ -32,6 +33,19 @@ TEST(WireTime, IsZeroWhereTheLinkHasNoBaudRate) {
 TEST(WireTime, IsShorterWhereTheLineIsFasterThanItsBaudRate) {
   EXPECT_LT(shortest_wire_time_s(1544, 115200), wire_time_s(1544, 115200) / 1.021);
   EXPECT_EQ(shortest_wire_time_s(1544, 0), 0.0);
+}
+
+TEST(MessageReads, CountCutsOnlyWhereTheBaudRateSaysHowLongTheBytesTook) {
+  const auto reads = [](double wire_s) {
+    std::vector<LatestBegin> three(3);
+    for (std::size_t i = 0; i < three.size(); ++i)
+      three[i] = {.latest = at_ms(30.0 - 10.0 * static_cast<double>(i)), .inside = i < 2, .wire_s = wire_s};
+    return message_reads(three);
+  };
+  EXPECT_EQ(reads(0.001).cuts, 2U);
+  EXPECT_EQ(reads(0.001).least_cut, 1U);
+  EXPECT_EQ(reads(0.0).cuts, 0U);
+  EXPECT_EQ(reads(0.0).least, 2U);
 }
 
 TEST(LinkTiming, BoundsHoldOverALineThatIsFasterOrSlowerThanItsBaudRate) {

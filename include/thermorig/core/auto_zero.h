@@ -11,7 +11,7 @@
 
 namespace thermorig {
 
-/// How long a gyro has sent the very same reading, bit by bit: noise never repeats itself for long, but a
+/// How long a gyro has sent the very same numbers about all axes: noise never repeats itself for long, but a
 /// gyro that hangs does, and one that sets itself to zero at rest.
 class RepeatedReading {
  public:

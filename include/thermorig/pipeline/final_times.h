@@ -43,13 +43,15 @@ class FinalTimes {
   std::size_t next_ = 0;
 };
 
+/// A servo's clock, a resonator or the oscillator of a controller, is no further off, as a share.
+inline constexpr double most_clock_off = 0.03;
+
 /// Seconds of the host's clock for each microsecond of the servo's, by two messages of telemetry, one after
 /// the other. Where a reset or an absence lies between them, as many as there should be.
 inline double host_s_per_us(const TimedServo& before, const TimedServo& now) {
-  constexpr double most_off = 0.03;
   const auto us = static_cast<double>(now.mcu_time_us - before.mcu_time_us);
   const double share = us > 0.0 ? to_s(now.stamp.time - before.stamp.time) / (us * 1e-6) : 0.0;
-  return std::abs(share - 1.0) < most_off ? share * 1e-6 : 1e-6;
+  return std::abs(share - 1.0) < most_clock_off ? share * 1e-6 : 1e-6;
 }
 
 }  // namespace thermorig::pipeline

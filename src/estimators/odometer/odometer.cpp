@@ -37,8 +37,8 @@ constexpr double give_up_s = 40.0;         // of a search, while the rig turns: 
 // later than any data sheet says.
 constexpr double bias_sigma_in_map_dps = 6.0, latency_sigma_in_map_s = 0.03;
 constexpr int most_counted = 480;  // halves: a minute
-// Of these: then the surroundings are others. Persons, wrong times and the world `typical` make up to 0.05 of
-// them other_views; where all are, it takes 55 s.
+// Of these: then the surroundings are others. With persons, wrong times and in the world `typical` up to
+// 0.05 show another view; where all do, it takes 55 s.
 constexpr double most_other_views = 0.6;
 constexpr double usual_other_views = 0.1;                      // above it the surroundings may be others
 const double anywhere_deg = whole_turn_deg / std::sqrt(12.0);  // one standard deviation of any direction

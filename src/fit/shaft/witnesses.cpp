@@ -25,7 +25,6 @@ constexpr double least_scale_uncertainty = 0.01;
 // A scene 1.5 m away turns past a camera that sits 5 cm off the axis as if the lens were 3 % wider.
 constexpr double parallax = 0.03;
 constexpr double most_saturated = 0.05;  // of the samples: beyond it no mean says how fast the shaft turns
-constexpr double nothing = 0.02;         // share of the rate that another axis shows (MPU-6000, table 6.1)
 constexpr double most_lean_deg = 10.0;   // as a board is glued by hand; it costs 1.5 % of the rate
 
 /// What the three axes show for each deg/s commanded, as sent, and how often a sample is saturated.
@@ -170,7 +169,7 @@ Cause gyro_cause(const Axes& axes, double share, double expected, double toleran
                  const GyroProfile& profile) {
   const auto axis = static_cast<std::size_t>(profile.axis);
   if (const auto other = other_axis(axes, axis);
-      axes.is_known && other && std::abs(axes.share[*other]) > nothing / 2.0)
+      axes.is_known && other && std::abs(axes.share[*other]) > least_turning_share / 2.0)
     return {fmt::format("its {} axis turns with the shaft and not its {} axis", axis_names[*other],
                         axis_names[axis]),
             fmt::format("set axis = \"{}\" and sign = {} in [gyro] of the profile", axis_names[*other],
@@ -181,7 +180,7 @@ Cause gyro_cause(const Axes& axes, double share, double expected, double toleran
     return {fmt::format("the profile's scale of it, {:.3g}", profile.scale),
             "set scale = 1 in [gyro] of the profile"};
   const UnitError* const unit = unit_error_of(std::abs(factor), tolerance);
-  if (unit == nullptr && std::abs(factor) < nothing)
+  if (unit == nullptr && std::abs(factor) < least_turning_share)
     return {"it does not turn with the shaft, or no sensor is behind it",
             "fix the gyro to the shaft, and check its wiring"};
   if (unit == nullptr && !turned.empty() && std::abs(std::abs(factor) - 1.0) < tolerance)
@@ -203,7 +202,7 @@ Cause gyro_cause(const Axes& axes, double share, double expected, double toleran
 }
 
 Cause command_cause(double share, const ServoProfile& profile) {
-  if (std::abs(share) < nothing)
+  if (std::abs(share) < least_turning_share)
     return {"the servo does not turn: its supply, its signal wire, or what blocks it",
             "check the servo's supply and wiring"};
   if (share < 0.0)
@@ -221,7 +220,7 @@ Cause images_cause(double share, double tolerance, const CameraProfile& profile)
   if (share < 0.0 && std::abs(share + 1.0) < tolerance)
     return {"the camera's image is mirrored otherwise than the profile says",
             fmt::format("set mirrored = {} in [camera] of the profile", !profile.mirrored)};
-  if (std::abs(share) < 2.0 * nothing)
+  if (std::abs(share) < 2.0 * least_turning_share)
     return {"the image stands still: the camera is not on the shaft, or sends one image again and again",
             "check the camera and its mounting"};
   for (const double other_deg : {55.0, 110.0})

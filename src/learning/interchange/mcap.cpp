@@ -102,10 +102,12 @@ McapChannel servo_channel() {
 McapChannel shaft_channel() {
   return channel_of(
       "/shaft", "thermorig.Shaft",
-      object_of({{"timestamp", time_with("nsec")},
-                 {"angle_deg", measured("deg, turns counted; null: the sensor has no angle")},
-                 {"uncertainty_deg", measured("deg, of one reading, one standard deviation")},
-                 {"trusts_itself", of_type("boolean", "what it measures by is strong enough")}}));
+      object_of(
+          {{"timestamp", time_with("nsec")},
+           {"angle_deg", measured("deg, turns counted since readings were lost; null: no angle")},
+           {"uncertainty_deg", measured("deg, of one reading, one standard deviation")},
+           {"status", of_type("integer",
+                              "0 good; 1 its signal is weak, 2 too strong; 3 there is none, 4 no answer")}}));
 }
 
 McapChannel label_channel(bool has_measured_shaft) {
@@ -198,7 +200,7 @@ Json shaft(const TimedShaft& shaft, std::uint64_t ns) {
   return {{"timestamp", timestamp(ns)},
           {"angle_deg", number(shaft.angle_deg)},
           {"uncertainty_deg", number(shaft.reading.uncertainty_deg)},
-          {"trusts_itself", shaft.reading.status == ShaftStatus::good}};
+          {"status", static_cast<int>(shaft.reading.status)}};
 }
 
 Json label(const LabelledSample& sample, std::uint64_t ns) {

@@ -33,8 +33,8 @@ constexpr double rising_part = 0.1;     // of a short training
 constexpr double share_of_begun = 0.4;  // of the rate, for weights that have learnt already
 constexpr std::size_t settling_steps = 256;
 constexpr double one_sigma_share = 0.683;
-// Made-up rooms are harder than others: where a network states 0.683 of their errors, 0.74 to 0.80 are within
-// in simulated rooms that it has not seen. Recorded ones it has learnt: there it is the other way.
+// Made-up rooms are harder than others: where 0.683 of the errors there lie within one sigma, 0.74 to 0.80 of
+// those in simulated rooms did that the network had not seen (seeds 1301 to 1308).
 constexpr double one_sigma_share_of_made_rooms = 0.62;
 constexpr float first_gate_bias = -4.0F;  // sigma of 74 deg/s: the gate knows nothing yet
 
@@ -117,8 +117,7 @@ class Training {
 
  private:
   /// The likelihood's sigma is that of normal errors, and a few windows are far off: it is too large for all
-  /// the others. The gate's bias is set so that a normal share of the windows of one more epoch lies within
-  /// it.
+  /// the others. The gate's bias is set so that `share` of the windows of one more epoch lies within it.
   void settle_gate() {
     const EpochPlan plan = epoch_plan(training_.size(), config_.seed, config_.epochs + 1, config_.symmetries);
     BatchStream batches(training_, plan, recorded_a_batch(), workers_);

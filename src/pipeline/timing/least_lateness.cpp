@@ -204,7 +204,8 @@ MessageReads message_reads(std::span<const LatestBegin> reads) {
   std::vector<std::uint32_t> cuts;
   for (std::uint32_t i = 0; i < message.count; ++i) {
     if (reads[i].latest < reads[message.least].latest) message.least = i;
-    if (!reads[i].inside) continue;
+    // Without a baud rate nobody knows what the bytes' own time is: how far cuts lie apart says no wait.
+    if (!reads[i].inside || !(reads[i].wire_s > 0.0)) continue;
     cuts.push_back(i);
     if (reads[i].held_s <= short_hold_s) ++message.short_holds;
   }

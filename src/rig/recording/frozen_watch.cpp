@@ -32,7 +32,8 @@ std::string gyro_text(const GyroReading& reading) {
 }  // namespace
 
 void FrozenWatch::begin(Device device, HostTime now) {
-  repeats_[device] = {.since = now, .count = 0};
+  if (device == Device::camera) camera_repeats_ = {.since = now, .count = 0};
+  if (device == Device::servo) servo_repeats_ = {.since = now, .count = 0};
   trouble_[device].reset();
 }
 
@@ -55,7 +56,7 @@ bool FrozenWatch::frame(const TimedFrame& frame) {
     begin(Device::camera, now);
     return true;
   }
-  Repeats& repeats = repeats_[Device::camera];
+  Repeats& repeats = camera_repeats_;
   ++repeats.count;
   if (repeats.last(now, fewest_frames, frames_span))
     trouble_[Device::camera] =
@@ -126,7 +127,7 @@ bool FrozenWatch::servo(const TimedServo& state) {
     begin(Device::servo, now);
     return true;
   }
-  Repeats& repeats = repeats_[Device::servo];
+  Repeats& repeats = servo_repeats_;
   ++repeats.count;
   if (repeats.last(now, fewest_telemetry, telemetry_span))
     trouble_[Device::servo] =

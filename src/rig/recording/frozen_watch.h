@@ -44,7 +44,7 @@ class FrozenWatch {
   void begin(Device device, HostTime now);
 
   PerDevice<std::optional<std::string>> trouble_;
-  PerDevice<Repeats> repeats_;
+  Repeats camera_repeats_, servo_repeats_;
   RepeatedReading gyro_;                                // while the servo turns
   std::optional<std::array<float, 3>> stuck_rate_dps_;  // as long as nothing else comes, it is not back
   std::optional<std::uint32_t> last_mcu_us_;

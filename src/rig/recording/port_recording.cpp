@@ -245,7 +245,7 @@ void PortSession::run_loop() {
   loop_.every(tick_period, [this](HostTime now) { tick(now); });
   try {
     loop_.run();
-  } catch (...) {  // e.g. the disk is full: the servo must not run on until its watchdog notices
+  } catch (...) {                // e.g. the disk is full: the servo must not run on by itself
     io::send_emergency_bytes();  // at once: there may be no memory left for more
     if (ports_[Device::servo]) loop_.write(*ports_[Device::servo], emergency_bytes());
     bool is_over = false;

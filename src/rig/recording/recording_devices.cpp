@@ -15,7 +15,7 @@ void Recording::Parts::fail(const Error& error, HostTime now) {
     end.failure = error;
     event({now, EventKind::device_lost, std::nullopt, error.where() + ": " + error.what_happened()});
   }
-  // A servo that does not answer cannot be stopped from here; its watchdog does it.
+  // A servo that does not answer cannot be stopped from here; it comes to rest by itself (ServoDriver).
   if (!first || sweep.phase() == SweepPhase::stopping || presence[Device::servo].is_awaited())
     end.servo_is_gone = true;
   if (!end.servo_is_gone) sweep.request_stop(now);

@@ -67,6 +67,7 @@ void BusServoDriver::greet() {
   push({.what = "its greeting",
         .bytes = [this] { return greeting(steps_.front().sent % 2 == 1); },
         .answer = {}});
+  look_first();
   disarm();  // an earlier recorder that was killed leaves it armed
   const std::size_t first = steps_.size();
   set_up();
@@ -106,7 +107,7 @@ void BusServoDriver::halt() {
         .bytes =
             [this] {
               course_.reset();
-              if (!servo_now_) return Data();
+              if (!armed_ || !servo_now_) return Data();  // a goal may switch the torque on
               const double rate_dps = servo_now_->state.rate_dps;
               const double age_s = std::max(0.0, to_s(now_ - servo_now_->stamp.time)) + command_age_s / 2.0;
               const double way_deg =
@@ -295,13 +296,17 @@ void BusServoDriver::telemetry(const TimedServo& servo) {
   turn_back();
 }
 
-/// Its torque was switched on and is off: it has switched its motor off, or has been off itself.
+/// Its torque was switched on and is off: it has switched its motor off, or has been off itself, and has
+/// then forgotten how often it had turned.
 void BusServoDriver::look_why_off() {
   read("its state", registers_.hardware_error, 1, [this](const Data& data) {
     armed_ = false;
     const std::string why = hardware_text(data[0]);
     if (!why.empty()) motor_is_off(why);
-    was_reset_ = true;
+    throw Error(ExitCode::device_lost,
+                "the servo's torque went off by itself: its supply may have failed, and it does not know its "
+                "turns any more",
+                "servo", "check its supply, turn the cable to its middle, then record again");
   });
   command(steps_.size() - 1);
 }

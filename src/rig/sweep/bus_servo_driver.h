@@ -75,6 +75,8 @@ class BusServoDriver : public ServoDriver {
   virtual Data profile_block(double goal_deg, double rate_dps, double acceleration_dps2) const = 0;
   /// It has answered the greeting. Throws Error if it cannot be driven.
   virtual void welcomed() {}
+  /// Pushes what it is asked before anything is written to it.
+  virtual void look_first() {}
   /// Pushes what it is asked and set to between the greeting and the first command.
   virtual void set_up() = 0;
   /// Pushes the step that has a watchdog watch, if it has one.
@@ -85,7 +87,6 @@ class BusServoDriver : public ServoDriver {
   /// "overload, overheating"; empty: nothing is wrong.
   virtual std::string hardware_text(std::uint8_t bits) const = 0;
   virtual std::string name() const = 0;
-  virtual std::string how_it_rests() const = 0;
   virtual std::string greeting_advice() const = 0;
 
   // ---- what they build with ----

@@ -49,6 +49,7 @@ class GrblDriver final : public ServoDriver {
   void answer(const wire::ServoMessage& message, HostTime arrived) override;
   void telemetry(const TimedServo& servo) override;
 
+  std::string how_it_rests() const override { return "it rests where its last jog ends"; }
   bool idle() const override;
 
  private:
@@ -223,8 +224,8 @@ double GrblDriver::estimated_deg(HostTime now) const {
 std::vector<std::uint8_t> GrblDriver::drive(HostTime now) {
   if (awaits_ok_ && !cancelling_ && now - last_line_ > line_patience) {
     gave_up_ = true;
-    throw Error(ExitCode::device_lost, "GRBL has not answered a line; it rests where its last jog ends",
-                "servo", "check cable and power of its board, then record again");
+    throw Error(ExitCode::device_lost, "GRBL has not answered a line; " + how_it_rests(), "servo",
+                "check cable and power of its board, then record again");
   }
   if (awaits_ok_ || cancelling_ || !servo_now_) return {};
   if (power_due_) {

@@ -234,8 +234,8 @@ void ServoCommander::give_up(const Command& command) {
                 "check that its board carries the servo firmware and that the port is the right one: "
                 "thermorig ports");
   throw Error(ExitCode::device_lost,
-              fmt::format("the servo has not answered \"{}\" after {} tries; its own watchdog stops it",
-                          wire::command_name(command.type), command.sent),
+              fmt::format("the servo has not answered \"{}\" after {} tries; {}",
+                          wire::command_name(command.type), command.sent, how_it_rests()),
               "servo", "check cable and power of the servo's board, then record again");
 }
 

@@ -7,6 +7,7 @@
 
 #include "bus_servo_driver.h"
 #include "thermorig/core/error.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/sensors/wire/sts3215.h"
 
 namespace thermorig::rig {
@@ -46,6 +47,14 @@ class Sts3215Driver final : public BusServoDriver {
                               most_dps2, servo.acceleration_dps2),
                   "servo",
                   fmt::format("acceleration_dps2 = {:.0f} or less in [servo] of the rig profile", most_dps2));
+    const auto limit_deg = angle_limit_deg(servo);
+    if (!limit_deg || *limit_deg > sts_farthest_deg)
+      throw Error(ExitCode::bad_usage,
+                  fmt::format("an STS3215 turns to {:.0f} deg either way and no further", sts_farthest_deg),
+                  "servo",
+                  fmt::format("kind = \"positional\" and travel_deg = {:.0f} or less in [servo] of the rig "
+                              "profile",
+                              std::floor(2.0 * sts_farthest_deg / 10.0) * 10.0));
   }
 
  private:
@@ -74,14 +83,19 @@ class Sts3215Driver final : public BusServoDriver {
     return block;
   }
 
+  void look_first() override {
+    read("whether it answers", cell::answers, 1, [](const Data& data) {
+      if (data[0] == 0)
+        throw Error(ExitCode::device_missing, "the servo does not answer what is written to it", "servo",
+                    "set register 8 (response status level) to 1 with the maker's tool");
+    });
+  }
+
   /// The EEPROM bears so many writes: it is only written where it says otherwise.
   void set_up() override {
     read("its settings", cell::return_delay, sts3215::setting_bytes, [this](const Data& data) {
       const auto at = [&](std::uint16_t address) { return data[address - cell::return_delay]; };
       std::vector<Step> changes;
-      if (at(cell::answers) == 0)
-        throw Error(ExitCode::device_missing, "the servo does not answer what is written to it", "servo",
-                    "set register 8 (response status level) to 1 with the maker's tool");
       if (at(cell::return_delay) != 0)
         changes.push_back(writing("its return delay", cell::return_delay, {0}));
       const bool has_limits = std::any_of(data.begin() + cell::least_angle - cell::return_delay,
@@ -115,15 +129,13 @@ class Sts3215Driver final : public BusServoDriver {
   }
 
   bool accepts(std::uint8_t error) override {
-    if ((error & sts3215::giving_way) != 0) motor_is_off(hardware_text(error & sts3215::giving_way));
+    if (const std::string why = hardware_text(error); !why.empty()) motor_is_off(why);
     return true;
   }
   std::string hardware_text(std::uint8_t bits) const override {
-    return names_of_bits(bits, {{0x01, "voltage"},
-                                {0x02, "sensor of the angle"},
-                                {0x04, "overheating"},
-                                {0x08, "current"},
-                                {0x20, "overload"}});
+    return names_of_bits(
+        bits & sts3215::giving_way,
+        {{0x02, "sensor of the angle"}, {0x04, "overheating"}, {0x08, "current"}, {0x20, "overload"}});
   }
   std::string name() const override { return "STS3215"; }
   std::string how_it_rests() const override { return "it rests where its leg ends"; }

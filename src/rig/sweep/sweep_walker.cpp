@@ -190,7 +190,8 @@ void SweepWalker::send_run(HostTime now) {
 }
 
 // After this computer stood still, frames that were sent meanwhile may come before the news that the servo's
-// watchdog has stopped it: a leg ends only where it is known that the servo has driven it so far.
+// watchdog, or the end of its leg, has stopped it: a leg ends only where it is known that the servo has
+// driven it so far.
 void SweepWalker::tick_leg(HostTime now) {
   const LegRecord& record = leg_.record();
   if (!leg_.acknowledged() && commander_.idle()) {
@@ -289,7 +290,7 @@ void SweepWalker::tick_stopping(HostTime now) {
   const ServoStop::Request request = stop_.requested_at(phase_begin_, now, telemetry_);
   if (request == ServoStop::Request::under_way) return;
   if (request == ServoStop::Request::unconfirmed)
-    event(now, EventKind::warning, "the stop was not confirmed; the servo's own watchdog stops it");
+    event(now, EventKind::warning, "the stop was not confirmed; " + commander_.how_it_rests());
   enter(SweepPhase::done, now);
 }
 

@@ -36,7 +36,7 @@ GyroErrors fit_gyro_errors_without_servo(std::span<const TimedGyro> gyro, std::s
 GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
                            const GyroProfile& profile);
 
-/// By which share of the commanded speed a gyro's rate falls in a second while the shaft turns at one speed:
+/// The share of the commanded speed that a gyro's rate falls in a second while the shaft turns at one speed:
 /// the filter of a device that fuses its sensors takes a steady turn for a bias (HWT905 and others). 0: it is
 /// not seen. What a servo's slope changes along its travel is of the other sign the other way, and one that
 /// is too weak for the faster half of the speeds says nothing: both directions of the slower half count.

@@ -11,6 +11,10 @@
 
 namespace thermorig::fit {
 
+/// Below this share of what is commanded nothing turns: so much shows about an axis that does not (MPU-6000,
+/// table 6.1).
+inline constexpr double least_turning_share = 0.02;
+
 /// What images say of the speed without any gyro, as a share of the commanded one; none: why not.
 struct ImagesShare {
   std::optional<Estimate> share;

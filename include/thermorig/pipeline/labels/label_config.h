@@ -44,7 +44,7 @@ struct LabelConfig {
 
 /// What the profile says, and what a first pass over the recording found out, if there was one.
 /// `merges_halves`: see latency_uncertainty_s().
-LabelConfig label_config(const RigProfile& profile, const std::optional<SyncReport>& sync = std::nullopt,
-                         bool merges_halves = false);
+LabelConfig label_config(const RigProfile& profile, const std::optional<SyncReport>& sync,
+                         bool merges_halves);
 
 }  // namespace thermorig::labels

@@ -50,6 +50,7 @@ class ServoCommander final : public ServoDriver {
   /// Its time also shows whether the link is behind a latency timer, which lengthens the pings' delay.
   std::optional<HostDuration> pong(const TimedPong& pong) override;
 
+  std::string how_it_rests() const override { return "its own watchdog stops it"; }
   bool idle() const override { return queue_.empty(); }
   std::uint64_t pings() const override { return ping_token_; }
 

@@ -60,6 +60,8 @@ class ServoDriver {
   virtual std::uint64_t pings() const { return 0; }  // sent, whose answers pong() takes
 
   bool greeted() const { return welcome_.has_value(); }
+  /// What becomes of it where nobody reaches it any more: "its own watchdog stops it".
+  virtual std::string how_it_rests() const = 0;
 
  protected:
   explicit ServoDriver(const ServoProfile& servo) : servo_(servo) {}
