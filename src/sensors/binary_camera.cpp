@@ -150,9 +150,7 @@ class BinaryCameraScanner {
       return 1;
     }
     if (!is_good) {
-      ++ledger_.counters.bad_value;
-      ledger_.mark_damage(frame.size());
-      ledger_.book_gap(frame.size());
+      ledger_.book_damaged(&wire::Counters::bad_value, frame.size());
       return frame.size();
     }
     layout_ = &layout;
@@ -160,9 +158,7 @@ class BinaryCameraScanner {
     message.frame.temp_c = temp_c;
     message.frame.sensor_temp_c = std::numeric_limits<float>::quiet_NaN();
     message.fresh = freshness_.push(temp_c);
-    message.resync_before = ledger_.take_gap();
-    message.span = ledger_.book_message(frame.size());
-    ++ledger_.counters.messages;
+    ledger_.book_data(message, frame.size());
     return frame.size();
   }
 

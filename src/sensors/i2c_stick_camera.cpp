@@ -12,7 +12,6 @@
 
 #include "raw_halves.h"
 #include "thermorig/sensors/camera_protocol.h"
-#include "thermorig/sensors/wire/byte_ledger.h"
 
 namespace thermorig::sensors {
 
@@ -49,7 +48,7 @@ bool read_words(std::string_view text, std::array<std::uint16_t, Size>& words) {
 class I2cStickScanner {
  public:
   void push(std::span<const std::uint8_t> bytes, std::vector<CameraMessage>& out) {
-    ledger_.receive(bytes.size());
+    halves_.ledger.receive(bytes.size());
     for (const std::uint8_t byte : bytes) {
       line_ += static_cast<char>(byte);
       if (byte == '\n')
@@ -61,15 +60,13 @@ class I2cStickScanner {
   /// A last line without an end is not read: it may be cut.
   void finish(std::vector<CameraMessage>&) {}
   void restart() {
-    wire::ByteLedger ledger = ledger_;
-    ledger.restart();
-    *this = I2cStickScanner();
-    ledger_ = ledger;
+    halves_.restart();
+    line_.clear();
+    is_whole_ = false;
+    own_images_ = binary_half_frames_ = 0;
   }
-  const wire::Counters& counters() const { return ledger_.counters; }
+  const wire::Counters& counters() const { return halves_.ledger.counters; }
 
-  /// What was heard, whether or not there was an image in it.
-  std::uint64_t half_frames() const { return half_frames_; }
   std::uint64_t own_images() const { return own_images_; }
   /// In a format that has no end mark, so that a lost byte would move all words behind it: not read.
   std::uint64_t binary_half_frames() const { return binary_half_frames_; }
@@ -81,7 +78,7 @@ class I2cStickScanner {
     const bool is_whole = std::exchange(is_whole_, true);
     std::string_view text = line;
     while (!text.empty() && is_line_end(text.back())) text.remove_suffix(1);
-    if (!is_whole && !is_stick_line(text)) return ledger_.book_filler(line.size());
+    if (!is_whole && !is_stick_line(text)) return halves_.ledger.book_filler(line.size());
     const std::size_t marked = mark_bytes(text);  // "@33:02:" of its continuous mode
     text.remove_prefix(marked);
     if (text.starts_with("raw:") && text.size() > stick_prefix_bytes)
@@ -102,78 +99,41 @@ class I2cStickScanner {
 
   void take_half_frame(std::string_view text, std::size_t ahead, std::size_t size,
                        std::vector<CameraMessage>& out) {
-    if (text.find("FAIL") != text.npos) {  // "new_data bit set during read": torn
-      ++ledger_.counters.bad_value;
-      return damage(size);
-    }
+    if (text.find("FAIL") != text.npos)  // "new_data bit set during read": torn
+      return halves_.ledger.book_damaged(&wire::Counters::bad_value, size);
     RawHalves::Words words{};
     if (text.size() > stick_words_at && text.substr(stick_words_at).starts_with("BIN:"))
       ++binary_half_frames_;
-    if (text.size() < stick_words_at || !read_words(text.substr(stick_words_at), words)) {
-      ++ledger_.counters.bad_length;
-      return damage(size);
-    }
-    CameraMessage message;
-    const RawHalves::Outcome outcome = halves_.push(words, message);
-    if (outcome == RawHalves::Outcome::refused || outcome == RawHalves::Outcome::no_eeprom) {
-      half_frames_ += outcome == RawHalves::Outcome::no_eeprom ? 1U : 0U;
-      ++ledger_.counters.bad_value;
-      return damage(size);
-    }
-    ++half_frames_;
-    ledger_.book_filler(ahead);
-    if (outcome == RawHalves::Outcome::first_half) {
-      ledger_.book_message(size - ahead);
-      ++ledger_.counters.replies;
-      return;
-    }
-    message.resync_before = ledger_.take_gap();
-    message.span = ledger_.book_message(size - ahead);
-    ++ledger_.counters.messages;
-    out.push_back(message);
+    if (text.size() < stick_words_at || !read_words(text.substr(stick_words_at), words))
+      return halves_.ledger.book_damaged(&wire::Counters::bad_length, size);
+    halves_.take_half(words, ahead, size - ahead, out);
   }
 
   void take_eeprom(std::string_view text, std::size_t size) {
-    std::array<std::uint16_t, mlx90640::eeprom_words> words{};
-    if (!read_words(text, words)) {
-      ++ledger_.counters.bad_length;
-      return damage(size);
-    }
-    if (!halves_.learn(words)) {
-      ++ledger_.counters.bad_value;
-      return damage(size);
-    }
-    ledger_.book_message(size);
-    ++ledger_.counters.replies;
+    RawHalves::Eeprom words{};
+    if (!read_words(text, words)) return halves_.ledger.book_damaged(&wire::Counters::bad_length, size);
+    halves_.take_eeprom(words, size);
   }
 
   /// Answers, banners, temperatures of its own; a long one of none of these is the rest of a lost line.
   void take_other(std::string_view text, std::size_t size) {
     if (text.starts_with("mv:33:")) ++own_images_;
-    if (text.size() > stick_text_bytes_max && !is_stick_line(text)) {
-      ++ledger_.counters.bad_length;
-      return damage(size);
-    }
-    ledger_.book_filler(size);
+    if (text.size() > stick_text_bytes_max && !is_stick_line(text))
+      return halves_.ledger.book_damaged(&wire::Counters::bad_length, size);
+    halves_.ledger.book_filler(size);
   }
 
-  void damage(std::size_t size) {
-    ledger_.mark_damage(size);
-    ledger_.book_gap(size);
-  }
   /// Nothing prints so long a line: it is passed over to its end.
   void skip_line() {
-    ++ledger_.counters.bad_length;
-    damage(line_.size());
+    halves_.ledger.book_damaged(&wire::Counters::bad_length, line_.size());
     line_.clear();
     is_whole_ = false;
   }
 
-  wire::ByteLedger ledger_;
   RawHalves halves_;
   std::string line_;
   bool is_whole_ = false;  // the line was heard from its beginning
-  std::uint64_t half_frames_ = 0, own_images_ = 0, binary_half_frames_ = 0;
+  std::uint64_t own_images_ = 0, binary_half_frames_ = 0;
 };
 
 CameraScanner i2c_stick_scanner(const CameraProfile&) {
@@ -185,13 +145,14 @@ std::optional<Evidence> recognise_i2c_stick(std::span<const std::uint8_t> bytes)
   std::vector<CameraMessage> messages;
   scanner.push(bytes, messages);
   const std::uint64_t heard =
-      std::max({scanner.half_frames(), scanner.own_images(), scanner.binary_half_frames()});
+      std::max({scanner.halves().half_frames(), scanner.own_images(), scanner.binary_half_frames()});
   if (heard == 0 && scanner.halves().eeprom_fault().empty() && !scanner.halves().has_eeprom())
     return std::nullopt;
-  std::string text = fmt::format("{} raw half-frame(s) of a Melexis I2C-Stick", scanner.half_frames());
-  if (scanner.half_frames() == 0 && scanner.own_images() > 0)
+  std::string text =
+      fmt::format("{} raw half-frame(s) of a Melexis I2C-Stick", scanner.halves().half_frames());
+  if (scanner.halves().half_frames() == 0 && scanner.own_images() > 0)
     text = fmt::format("{} image(s) of a Melexis I2C-Stick, made by its own filters", scanner.own_images());
-  else if (scanner.half_frames() == 0 && scanner.binary_half_frames() > 0)
+  else if (scanner.halves().half_frames() == 0 && scanner.binary_half_frames() > 0)
     text = fmt::format("{} half-frame(s) of a Melexis I2C-Stick in its format BIN, which is not read",
                        scanner.binary_half_frames());
   else if (!scanner.halves().has_eeprom())
@@ -202,7 +163,7 @@ std::optional<Evidence> recognise_i2c_stick(std::span<const std::uint8_t> bytes)
                     .text_format = {}};
   if (!scanner.halves().eeprom_fault().empty())
     evidence.advice = "its EEPROM cannot be used: " + scanner.halves().eeprom_fault();
-  evidence.is_asked_otherwise = scanner.half_frames() == 0;
+  evidence.is_asked_otherwise = scanner.halves().half_frames() == 0;
   return evidence;
 }
 

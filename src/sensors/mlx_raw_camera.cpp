@@ -13,7 +13,6 @@
 
 #include "raw_halves.h"
 #include "thermorig/sensors/camera_protocol.h"
-#include "thermorig/sensors/wire/byte_ledger.h"
 #include "thermorig/sensors/wire/checksums.h"
 #include "thermorig/sensors/wire/reassembly.h"
 
@@ -49,22 +48,21 @@ bool is_sum_right(Bytes message) {
 class MlxRawScanner {
  public:
   void push(Bytes bytes, std::vector<CameraMessage>& out) {
-    ledger_.receive(bytes.size());
+    halves_.ledger.receive(bytes.size());
     wire::reassemble(pending_, bytes, raw_sign_bytes + raw_half_bytes + 1,
                      [&](Bytes rest) { return step(rest, out); });
   }
   /// A last message without its end is not read.
   void finish(std::vector<CameraMessage>&) {}
   void restart() {
-    wire::ByteLedger ledger = ledger_;
-    ledger.restart();
-    *this = MlxRawScanner();
-    ledger_ = ledger;
+    halves_.restart();
+    last_image_ = {};
+    pending_.clear();
+    own_images_ = 0;
+    bus_fault_.clear();
   }
-  const wire::Counters& counters() const { return ledger_.counters; }
+  const wire::Counters& counters() const { return halves_.ledger.counters; }
 
-  /// What was heard, whether or not there was an image in it.
-  std::uint64_t half_frames() const { return half_frames_; }
   std::uint64_t own_images() const { return own_images_; }
   const RawHalves& halves() const { return halves_; }
   const std::string& bus_fault() const { return bus_fault_; }
@@ -89,7 +87,7 @@ class MlxRawScanner {
     if (may_be_half && (*size == 0 || behind.size() < *size)) return 0;
     if (may_be_half && is_sum_right(behind.first(*size)))
       return take(rest.first(raw_sign_bytes + *size), raw_sign_bytes, out);
-    ledger_.book_filler(raw_sign_bytes);
+    halves_.ledger.book_filler(raw_sign_bytes);
     return raw_sign_bytes;
   }
 
@@ -114,21 +112,15 @@ class MlxRawScanner {
   }
 
   void take_eeprom(Bytes bytes, std::size_t size) {
-    std::array<std::uint16_t, mlx90640::eeprom_words> words{};
+    RawHalves::Eeprom words{};
     for (std::size_t i = 0; i < words.size(); ++i) words[i] = raw_word(bytes, i);
-    if (!halves_.learn(words)) return damage(size);
-    answer(size);
+    halves_.take_eeprom(words, size);
   }
 
   void take_half(Bytes bytes, std::size_t size, std::vector<CameraMessage>& out) {
     RawHalves::Words words{};
     for (std::size_t i = 0; i < words.size(); ++i) words[i] = raw_word(bytes, i);
-    CameraMessage message;
-    const RawHalves::Outcome outcome = halves_.push(words, message);
-    half_frames_ += outcome == RawHalves::Outcome::refused ? 0U : 1U;
-    if (outcome == RawHalves::Outcome::image) return pass_on(message, size, out);
-    if (outcome == RawHalves::Outcome::first_half) return answer(size);
-    damage(size);
+    halves_.take_half(words, 0, size, out);
   }
 
   /// An MLX90642 computes degrees itself: 1/50 K; its own temperature 1/100 K.
@@ -144,12 +136,13 @@ class MlxRawScanner {
       is_new = is_new || counts != last_image_[pixel];
       last_image_[pixel] = counts;
     }
-    if (!is_good) return damage(size);
+    if (!is_good) return halves_.ledger.book_damaged(&wire::Counters::bad_value, size);
     const auto own = static_cast<std::int16_t>(raw_word(bytes, frame_pixels));
     message.frame.sensor_temp_c = static_cast<float>(own) / 100.0F;
     ++own_images_;
     if (is_new) message.fresh = {frame_pixels / 2, frame_pixels / 2};
-    pass_on(message, size, out);
+    halves_.ledger.book_data(message, size);
+    out.push_back(message);
   }
 
   void take_bus_fault(Bytes words, std::size_t size) {
@@ -160,40 +153,23 @@ class MlxRawScanner {
         "restart; MCP2221: options hid_mcp2221 i2c_clk_freq=400 in /etc/modprobe.d); or ask for fewer: "
         "--camera-rate",
         raw_word(words, 1), rate_hz);
-    answer(size);
+    halves_.ledger.book_reply(size);
   }
 
-  void pass_on(CameraMessage& message, std::size_t size, std::vector<CameraMessage>& out) {
-    message.resync_before = ledger_.take_gap();
-    message.span = ledger_.book_message(size);
-    ++ledger_.counters.messages;
-    out.push_back(message);
-  }
-  void answer(std::size_t size) {
-    ledger_.book_message(size);
-    ++ledger_.counters.replies;
-  }
-  /// Whole, and of no use.
-  void damage(std::size_t size) {
-    ++ledger_.counters.bad_value;
-    ledger_.mark_damage(size);
-    ledger_.book_gap(size);
-  }
   std::size_t refuse(std::size_t size) {
-    ++ledger_.counters.bad_checksum;
-    ledger_.mark_damage(size);
+    ++halves_.ledger.counters.bad_checksum;
+    halves_.ledger.mark_damage(size);
     return skip(1);
   }
   std::size_t skip(std::size_t bytes) {
-    ledger_.book_gap(bytes);
+    halves_.ledger.book_gap(bytes);
     return bytes;
   }
 
-  wire::ByteLedger ledger_;
   RawHalves halves_;
   std::array<std::int16_t, frame_pixels> last_image_{};
   std::vector<std::uint8_t> pending_;  // received, not yet booked
-  std::uint64_t half_frames_ = 0, own_images_ = 0;
+  std::uint64_t own_images_ = 0;
   std::string bus_fault_;
 };
 
@@ -205,15 +181,16 @@ std::optional<Evidence> recognise_mlx_raw(Bytes bytes) {
   MlxRawScanner scanner;
   std::vector<CameraMessage> messages;
   scanner.push(bytes, messages);
-  const std::uint64_t heard = scanner.half_frames() + scanner.own_images();
+  const std::uint64_t heard = scanner.halves().half_frames() + scanner.own_images();
   const std::string& fault =
       scanner.bus_fault().empty() ? scanner.halves().eeprom_fault() : scanner.bus_fault();
   if (heard == 0 && fault.empty() && !scanner.halves().has_eeprom()) return std::nullopt;
-  Evidence evidence{.messages = std::max<std::uint64_t>(heard, 1),
-                    .bytes = std::max<std::uint64_t>(scanner.counters().bytes_in_messages,
-                                                     fault.empty() ? 0 : bytes.size()),
-                    .text = fmt::format("{} raw half-frame(s) of an MLX90640", scanner.half_frames()),
-                    .text_format = {}};
+  Evidence evidence{
+      .messages = std::max<std::uint64_t>(heard, 1),
+      .bytes =
+          std::max<std::uint64_t>(scanner.counters().bytes_in_messages, fault.empty() ? 0 : bytes.size()),
+      .text = fmt::format("{} raw half-frame(s) of an MLX90640", scanner.halves().half_frames()),
+      .text_format = {}};
   if (heard == 0) evidence.text = "the EEPROM of an MLX90640, and no half-frame";
   if (scanner.own_images() > 0)
     evidence.text = fmt::format("{} image(s) of an MLX90642", scanner.own_images());

@@ -211,16 +211,13 @@ class TextCameraScanner {
   void complete(std::vector<CameraMessage>& out) {
     is_synced_ = true;
     if (!is_temperatures_) {
-      ++ledger_.counters.bad_value;
-      book_damage(0);
+      ledger_.book_damaged(&wire::Counters::bad_value, bytes_);
     } else {
       CameraMessage& message = out.emplace_back();
       message.frame.temp_c = temp_c_;
       message.frame.sensor_temp_c = std::exchange(sensor_temp_c_, unknown_c);
       message.fresh = freshness_.push(temp_c_);
-      message.resync_before = ledger_.take_gap();
-      message.span = ledger_.book_message(bytes_);
-      ++ledger_.counters.messages;
+      ledger_.book_data(message, bytes_);
     }
     begin_frame();
   }
@@ -235,8 +232,7 @@ class TextCameraScanner {
   /// A frame of which lines are missing.
   void drop_frame() {
     if (pixels_ == 0) return;
-    ++ledger_.counters.bad_length;
-    book_damage(0);
+    ledger_.book_damaged(&wire::Counters::bad_length, bytes_);
     begin_frame();
   }
 
@@ -244,18 +240,12 @@ class TextCameraScanner {
   /// the tail of one.
   void lose(const Line& line) {
     if (pixels_ > 0 || is_synced_) {
-      ++ledger_.counters.bad_length;
-      book_damage(line.bytes());
+      ledger_.book_damaged(&wire::Counters::bad_length, bytes_ + line.bytes());
     } else {
       ledger_.book_filler(line.bytes());
     }
     begin_frame();
     is_synced_ = false;
-  }
-
-  void book_damage(std::size_t more) {
-    ledger_.mark_damage(bytes_ + more);
-    ledger_.book_gap(bytes_ + more);
   }
 
   void begin_frame() {

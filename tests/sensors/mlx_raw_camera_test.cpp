@@ -72,19 +72,7 @@ std::vector<sensors::Recognised> recognised(const ByteVector& bytes) {
   return sensors::recognise(bytes, 2.0);
 }
 
-TEST(MlxRaw, EachHalfFrameMakesAnImageWhoseNewHalfIsKnown) {
-  const auto scan = scan_of(joined({eeprom(), half(20.0F, 0), half(30.0F, 1), half(40.0F, 0)}));
-  ASSERT_EQ(scan.messages.size(), 2U) << "one half alone is no image";
-  EXPECT_EQ(scan.messages[0].fresh.even, 0);
-  EXPECT_EQ(scan.messages[0].fresh.odd, 384);
-  EXPECT_EQ(scan.messages[1].fresh.even, 384);
-  EXPECT_EQ(scan.messages[1].fresh.odd, 0);
-  EXPECT_NEAR(scan.messages[1].frame.temp_c[0], 40.0F, 0.08F);
-  EXPECT_NEAR(scan.messages[1].frame.temp_c[1], 30.0F, 0.08F);
-  EXPECT_NEAR(scan.messages[1].frame.sensor_temp_c, 35.0F, 0.02F);
-  EXPECT_EQ(scan.counters.replies, 2U) << "the EEPROM, and the half before there was an image";
-  EXPECT_EQ(scan.counters.resyncs, 0U);
-}
+// What becomes of the words is the same code as of an I2C-Stick, whose tests have it.
 
 /// It was sent when the sensor had measured, before 40 ms of reading.
 TEST(MlxRaw, AHalfFrameBeginsWithTheSignThatItIsThere) {
@@ -103,29 +91,22 @@ TEST(MlxRaw, ASignWhoseHalfFrameNeverCameIsNoSignOfTrouble) {
   EXPECT_EQ(scan.messages[0].span.size(), new_data().size() + half(0.0F, 0).size());
 }
 
-TEST(MlxRaw, TornAndUnmeasuredHalfFramesAndThoseBeforeTheEepromAreRefusedAndCounted) {
+TEST(MlxRaw, ATornHalfFrameIsRefusedAndCountedWithItsSign) {
   auto torn = words_of(20.0F, 0);
   torn[833] |= 8U;
-  auto unread = words_of(20.0F, 0);
-  unread[64] = 0x7FFF;
-  const ByteVector begin = joined({eeprom(), half(20.0F, 0), half(30.0F, 1)});
-  for (const auto& words : {torn, unread}) {
-    const ByteVector bad = joined({new_data(), message(MLX_RAW_HALF, words)});
-    const auto scan = scan_of(joined({begin, bad, new_data(), half(22.0F, 0)}));
-    ASSERT_EQ(scan.messages.size(), 2U);
-    EXPECT_TRUE(scan.messages[1].resync_before);
-    EXPECT_EQ(scan.counters.bad_value, 1U);
-    EXPECT_EQ(scan.counters.bytes_in_damaged, bad.size());
-  }
-  const auto scan = scan_of(joined({half(20.0F, 0), begin}));
-  EXPECT_EQ(scan.messages.size(), 1U);
+  const ByteVector bad = joined({new_data(), message(MLX_RAW_HALF, torn)});
+  const auto scan =
+      scan_of(joined({eeprom(), half(20.0F, 0), half(30.0F, 1), bad, new_data(), half(22.0F, 0)}));
+  ASSERT_EQ(scan.messages.size(), 2U);
+  EXPECT_TRUE(scan.messages[1].resync_before);
   EXPECT_EQ(scan.counters.bad_value, 1U);
+  EXPECT_EQ(scan.counters.bytes_in_damaged, bad.size());
 }
 
 TEST(MlxRaw, LostAndWrongBytesCostTheirMessageAndMoveNoWord) {
   const ByteVector begin = joined({eeprom(), half(20.0F, 0), half(30.0F, 1)}), end = half(22.0F, 0);
   const ByteVector middle = joined({new_data(1), half(32.0F, 1)});
-  for (std::size_t at = 0; at < middle.size(); at += 67) {
+  for (std::size_t at = 0; at < middle.size(); at += 201) {
     for (const std::size_t lost : {0U, 1U, 5U, 1200U}) {
       ByteVector damaged = middle;
       if (lost == 0) damaged[at] ^= 0x10U;

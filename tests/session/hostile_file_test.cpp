@@ -38,11 +38,7 @@ namespace {
 using Bytes = std::vector<char>;
 using testing::HasSubstr;
 
-#if defined(THERMORIG_IS_SANITIZED)
-constexpr int usual_mutants = 100;
-#else
 constexpr int usual_mutants = 40;
-#endif
 
 template <typename Call>
 Error error_of(Call call) {
@@ -147,7 +143,7 @@ TEST_F(HostileSession, IsReadWhereNothingIsWrong) {
 }
 
 // Mutants ($THERMORIG_MUTANTS: how many), each read by a program that goes on: whatever libhdf5 does with
-// them, it does to a child. Most where a sanitizer looks on.
+// them, it does to a child.
 TEST_F(HostileSession, NeverHarmsTheProgram) {
   const char* asked = std::getenv("THERMORIG_MUTANTS");
   const int mutants = asked == nullptr ? usual_mutants : std::atoi(asked);

@@ -14,10 +14,10 @@ namespace thermorig::storage_test {
 namespace {
 
 #ifdef THERMORIG_FEW_POINTS
-constexpr std::uint64_t points_least = 300;
-const EnumerationSettings ends{.share = 0.004, .error_stride = 0, .starts = 1, .recover_stride = 1000};
+constexpr std::uint64_t points_least = 75;
+const EnumerationSettings ends{.share = 0.001, .error_stride = 0, .starts = 1, .recover_stride = 1000};
 const EnumerationSettings errors{
-    .share = 0.0, .error_stride = 0, .error_share = 0.4, .starts = 2, .recover_stride = 1000};
+    .share = 0.0, .error_stride = 0, .error_share = 0.1, .starts = 1, .recover_stride = 1000};
 #else
 constexpr std::uint64_t points_least = 2500;
 const EnumerationSettings ends{.share = 0.026, .error_stride = 0, .starts = 1, .recover_stride = 100};

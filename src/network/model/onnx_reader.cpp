@@ -9,11 +9,11 @@
 #include "network_graph.h"
 #include "refusal.h"
 #include "scaling_graph.h"
-#include "size_limit.h"
 #include "tensor_values.h"
 #include "text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/git_lfs.h"
+#include "thermorig/io/files/whole_file.h"
 #include "thermorig/network/model/model.h"
 
 namespace thermorig::model {
@@ -22,6 +22,10 @@ namespace {
 
 constexpr const char* usual_advice =
     "give a model that thermorig train has written, or one exported as docs/model_format.md says";
+
+/// The largest network has 751,000 weights, 3 MB; somebody else's exporter may add text. Larger files are
+/// refused before they are read: a field of two bytes may become a message of 150 in memory.
+constexpr std::size_t file_bytes_max = std::size_t{8} << 20U;
 
 bool begins_with(std::span<const std::uint8_t> bytes, std::string_view start) {
   return bytes.size() >= start.size() &&
@@ -128,6 +132,10 @@ Model from_onnx(std::span<const std::uint8_t> bytes, const std::string& where) {
     throw Error(ExitCode::not_a_session, refusal.what(), where,
                 refusal.advice().empty() ? usual_advice : refusal.advice());
   }
+}
+
+Model read_model(const std::filesystem::path& path) {
+  return from_onnx(files::read_whole(path, file_bytes_max, "the model"), path.string());
 }
 
 }  // namespace thermorig::model

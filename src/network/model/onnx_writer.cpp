@@ -10,6 +10,7 @@
 #include "scaling_graph.h"
 #include "text.h"
 #include "thermorig/core/frame.h"
+#include "thermorig/io/files/whole_file.h"
 #include "thermorig/network/model/model.h"
 
 namespace thermorig::model {
@@ -163,6 +164,10 @@ std::string to_onnx(const Model& model, int batch) {
     entry.set_value(value);
   }
   return file.SerializeAsString();
+}
+
+void write_model(const std::filesystem::path& path, const Model& model, int batch) {
+  files::write_whole(path, to_onnx(model, batch), "the model");
 }
 
 }  // namespace thermorig::model

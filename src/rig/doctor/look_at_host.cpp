@@ -15,7 +15,6 @@
 #include <string>
 #include <vector>
 
-#include "system_text.h"
 #include "thermorig/io/files/holder.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/doctor/host_facts.h"
@@ -25,6 +24,30 @@ namespace thermorig::doctor {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// The first line of a small file of the system, without its end; empty if it cannot be read.
+std::string first_line(const fs::path& file) {
+  std::string line;
+  std::ifstream in(file);
+  std::getline(in, line);
+  return line;
+}
+
+/// At most the first 4096 lines of a file; none if it cannot be read.
+std::vector<std::string> lines_of(const fs::path& file) {
+  constexpr std::size_t most = 4096;
+  std::vector<std::string> lines;
+  std::ifstream in(file);
+  for (std::string line; lines.size() < most && std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> pieces;
+  std::istringstream in(text);
+  for (std::string piece; std::getline(in, piece, at);) pieces.push_back(piece);
+  return pieces;
+}
 
 /// One file of udev rules.
 struct RuleFile {

@@ -32,6 +32,11 @@ StreamSpan ByteLedger::book_message(std::size_t bytes) {
   return {begin, position_};
 }
 
+void ByteLedger::book_reply(std::size_t bytes) {
+  book_message(bytes);
+  ++counters.replies;
+}
+
 void ByteLedger::mark_damage(std::size_t bytes) {
   damage_end_ = position_ + bytes;
 }
@@ -45,6 +50,12 @@ void ByteLedger::book_gap(std::size_t bytes) {
   if (!in_gap_) ++counters.resyncs;
   in_gap_ = true;
   gap_ = true;
+}
+
+void ByteLedger::book_damaged(std::uint64_t Counters::*reason, std::size_t bytes) {
+  ++(counters.*reason);
+  mark_damage(bytes);
+  book_gap(bytes);
 }
 
 void ByteLedger::book_filler(std::size_t bytes) {

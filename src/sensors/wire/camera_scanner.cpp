@@ -162,9 +162,7 @@ std::size_t CameraScanner::book_frame(Bytes frame, std::size_t bytes, std::vecto
   std::transform(words.begin(), words.end(), message.frame.temp_c.begin(), temp_c_of);
   message.frame.sensor_temp_c = temp_c_of(i16_at(frame, gy_mcu90640::sensor_temp_offset));
   message.fresh = freshness_.push(words);
-  message.resync_before = ledger_.take_gap();
-  message.span = ledger_.book_message(bytes);
-  ++ledger_.counters.messages;
+  ledger_.book_data(message, bytes);
   return bytes;
 }
 
@@ -179,8 +177,7 @@ std::size_t CameraScanner::take_interrupted_frame(Bytes bytes, std::size_t reply
 }
 
 std::size_t CameraScanner::take_reply() {
-  ledger_.book_message(gy_mcu90640::reply_bytes);
-  ++ledger_.counters.replies;
+  ledger_.book_reply(gy_mcu90640::reply_bytes);
   return gy_mcu90640::reply_bytes;
 }
 

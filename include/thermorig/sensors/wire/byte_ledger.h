@@ -27,12 +27,26 @@ class ByteLedger {
   /// The next `bytes` are a good message. Returns where it stands.
   StreamSpan book_message(std::size_t bytes);
 
+  /// The same of `message`, which carries data: it learns where it stands and whether there was a gap before.
+  template <typename Message>
+  void book_data(Message& message, std::size_t bytes) {
+    message.resync_before = take_gap();
+    message.span = book_message(bytes);
+    ++counters.messages;
+  }
+
+  /// The same of a message that carries none.
+  void book_reply(std::size_t bytes);
+
   /// The next `bytes` belong to a damaged message, as far as no good message is found among them.
   void mark_damage(std::size_t bytes);
   bool in_damage() const { return position_ < damage_end_; }
 
   /// The next `bytes` belong to no good message: damaged where they are marked so, else skipped.
   void book_gap(std::size_t bytes);
+
+  /// The next `bytes` are a message that is none, for a reason that has its count.
+  void book_damaged(std::uint64_t Counters::*reason, std::size_t bytes);
 
   /// The next `bytes` carry nothing and are no sign of trouble (idle flags, other lines of text): skipped.
   void book_filler(std::size_t bytes);
