@@ -12,7 +12,6 @@
 #include "lens_adjustment.h"
 #include "thermorig/core/surroundings/half_frame.h"
 #include "thermorig/core/surroundings/turn_path.h"
-#include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
 namespace thermorig::odometer {

@@ -14,7 +14,6 @@
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/gyro_delay.h"
 #include "thermorig/core/surroundings/turn_path.h"
-#include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
 namespace thermorig::odometer {
