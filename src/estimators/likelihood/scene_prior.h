@@ -8,7 +8,7 @@
 namespace thermorig::likelihood {
 
 // Lengths are in pitches of a pixel, speeds in pitches an exposure. A line is what one row of pixels shows in
-// one chess half: every second pixel of it.
+// one half-frame: every second pixel of it.
 
 inline constexpr std::size_t line_pixels = frame_columns / 2;
 inline constexpr std::size_t half_rows = frame_rows / 2;

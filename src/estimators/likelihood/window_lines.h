@@ -9,7 +9,7 @@
 
 namespace thermorig::likelihood {
 
-/// The pixels of one chess half: (row, every second pixel of it).
+/// The pixels of one half-frame: (row, every second pixel of it).
 using HalfLines = std::array<std::array<float, line_pixels>, frame_rows>;
 
 /// A value for each wave up the columns: cosines over every second row, the longest first. They part what is

@@ -26,7 +26,7 @@ constexpr std::size_t lag_windows = 2;   // so many tell of it
 
 // Rows are looked at in bands, from the upper ones to the lower ones.
 constexpr std::size_t bands = 4;
-constexpr std::size_t band_rows = half_rows / bands;  // of a column of a chess half
+constexpr std::size_t band_rows = half_rows / bands;  // of a column of a half-frame
 constexpr std::size_t row_windows = 2;                // so many tell how rows are read
 constexpr double middle_row = 0.5 * (frame_rows - 1.0);
 constexpr double row_error = 0.5;  // of the row for which a band stands: what is seen there differs by angle
@@ -47,7 +47,7 @@ std::string refusal(std::span<const FreshHalf> halves) {
   return {};
 }
 
-/// Some rows of a chess half alone, by their number in a column (row_of()).
+/// Some rows of a half-frame alone, by their number in a column (row_of()).
 std::vector<HalfView> views_of_rows(const Window& window, std::size_t begin, std::size_t end) {
   std::vector<HalfView> views = views_of(window);
   for (HalfView& view : views)

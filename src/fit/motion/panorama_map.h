@@ -10,7 +10,7 @@
 namespace thermorig::motion {
 
 /// The surroundings as the camera's 24 rows see them, in bins of azimuth: what all halves together say.
-/// Values lie in cells: the 12 rows of one bin that one column of a chess half can fill, side by side.
+/// Values lie in cells: the 12 rows of one bin that one column of a half-frame can fill, side by side.
 class PanoramaMap {
  public:
   using Cells = std::vector<float, Eigen::aligned_allocator<float>>;
