@@ -55,7 +55,7 @@ class PanoramaMap {
   ConstColumnOf known(const Between& between) const { return at(both_known_, between.left); }
 
   /// How many values were needed to explain what was added.
-  double freedom() const;
+  double parameters() const;
 
   std::size_t size() const { return weight_.size(); }
   double bin_deg() const { return bin_deg_; }

@@ -414,7 +414,7 @@ GyroMean Labeller::note_gyro(LabelledSample& sample) const {
   return mean;
 }
 
-/// No command tells the speed: the gyro does, less the bias of the recording's rests. Until a rest is known,
+/// Without a command the speed is the gyro's, less the bias of the recording's rests. Until a rest is known,
 /// as in a live run, there is no label.
 void Labeller::label_by_gyro(LabelledSample& sample, const PendingFrame& frame) {
   const GyroMean mean = note_gyro(sample);
