@@ -5,7 +5,6 @@
 
 #include "entries.h"
 #include "gyro_angle.h"
-#include "window_rates.h"
 
 namespace thermorig::estimators {
 

@@ -10,7 +10,6 @@
 #include "entries.h"
 #include "gyro_angle.h"
 #include "gyro_rests.h"
-#include "window_rates.h"
 
 namespace thermorig::estimators {
 

@@ -8,7 +8,6 @@
 #include "gyro_angle.h"
 #include "gyro_rests.h"
 #include "thermorig/core/statistics.h"
-#include "window_rates.h"
 
 namespace thermorig::estimators {
 

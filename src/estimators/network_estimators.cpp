@@ -12,7 +12,6 @@
 #include "thermorig/network/gate.h"
 #include "thermorig/network/trainer.h"
 #include "thermorig/network/turn.h"
-#include "window_rates.h"
 
 namespace thermorig::estimators {
 
