@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "thermorig/estimators/table.h"
+#include "thermorig/network/last_blocks.h"
+#include "thermorig/network/window_index.h"
 
 namespace thermorig::estimators {
 
@@ -12,6 +15,21 @@ template <typename Made>
 std::unique_ptr<Estimator> made(const Setup& setup) {
   return std::make_unique<Made>(setup);
 }
+
+/// Rates of the last frames, and their mean: unknown (NaN) before there were so many, and where one is.
+class WindowRates {
+ public:
+  explicit WindowRates(int frames) : rates_dps_(static_cast<std::size_t>(frames), 1) {}
+
+  /// The next frame's rate; returns the mean of the window that it ends.
+  float add(float rate_dps) {
+    rates_dps_.push(rate_dps);
+    return network::mean_rate(rates_dps_.all());
+  }
+
+ private:
+  network::LastBlocks rates_dps_;
+};
 
 // Each in the file of its name; those of the network in network_estimators.cpp.
 Entry gyro();

@@ -5,8 +5,6 @@
 
 #include "entries.h"
 #include "gyro_angle.h"
-#include "thermorig/network/soundness.h"
-#include "window_rates.h"
 
 namespace thermorig::estimators {
 
@@ -21,7 +19,7 @@ class GyroEstimator : public Estimator {
     angle_.add(observation.gyro);
     RateEstimate estimate;
     estimate.rate_dps = rates_.add(observation.gyro_mean_dps);
-    if (network::is_sound_rate(estimate.rate_dps)) {
+    if (is_rate(estimate.rate_dps)) {
       estimate.rate_sigma_dps = static_cast<float>(
           std::hypot(sigma(1.0, double{estimate.rate_dps}),
                      mean_shift_dps(angle_.change_dps(), exposure_s(observation.frame), profile_)));

@@ -10,13 +10,9 @@
 
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
-#include "thermorig/estimators/odometer/unseen_turn.h"
-#include "thermorig/network/soundness.h"
+#include "thermorig/core/surroundings/turn_path.h"
 
 namespace thermorig::estimators {
-
-using odometer::lost_s;
-using odometer::unseen_deg;
 
 inline double exposure_s(const TimedFrame& frame) {
   return to_s(frame.exposure_end - frame.exposure_begin);
@@ -81,7 +77,7 @@ class GyroAngle {
   };
 
   void add(const TimedGyro& sample) {
-    if (!network::is_sound_rate(sample.rate_dps)) return;
+    if (!is_rate(sample.rate_dps)) return;
     const Point point{sample.stamp.time, double{sample.rate_dps}};
     newest_.add(point.rate_dps);
     if (last_ && point.time <= last_->time) {

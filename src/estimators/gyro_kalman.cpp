@@ -10,8 +10,6 @@
 #include "entries.h"
 #include "gyro_angle.h"
 #include "gyro_rests.h"
-#include "thermorig/network/soundness.h"
-#include "window_rates.h"
 
 namespace thermorig::estimators {
 
@@ -207,7 +205,7 @@ class GyroKalmanEstimator : public Estimator {
   void follow(const TimedGyro& sample) {
     const HostTime time = sample.stamp.time;
     const double read_dps = sample.rate_dps;
-    if (!network::is_sound_rate(sample.rate_dps) || sample.reading.saturated) return;
+    if (!is_rate(sample.rate_dps) || sample.reading.saturated) return;
     if (history_.has_begun() && time <= history_.newest().time) {
       if (history_.newest().time - time < clock_begins_anew) return;
       history_.clear();
@@ -231,7 +229,7 @@ class GyroKalmanEstimator : public Estimator {
 
   void tell_rate(const Observation& observation, RateEstimate& estimate) {
     const TimedFrame& frame = observation.frame;
-    const bool is_measured = network::is_sound_rate(observation.gyro_mean_dps) &&
+    const bool is_measured = is_rate(observation.gyro_mean_dps) &&
                              frame.exposure_end > frame.exposure_begin &&
                              history_.reaches_back_to(frame.exposure_begin);
     const auto mean = is_measured ? mean_over(frame.exposure_begin, frame.exposure_end) : Mean();

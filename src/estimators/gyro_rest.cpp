@@ -8,8 +8,6 @@
 #include "gyro_angle.h"
 #include "gyro_rests.h"
 #include "thermorig/core/statistics.h"
-#include "thermorig/network/soundness.h"
-#include "window_rates.h"
 
 namespace thermorig::estimators {
 
@@ -35,7 +33,7 @@ class GyroRestEstimator : public Estimator {
     const HostTime now = observation.frame.exposure_end;
     estimate.values[0] = static_cast<float>(bias_.mean());
     if (angle_.has_begun()) tell_angle(now, estimate);
-    if (!network::is_sound_rate(gyro_dps)) {
+    if (!is_rate(gyro_dps)) {
       estimate.reason = EstimateReason::no_gyro;
       return estimate;
     }

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/network/soundness.h"
-
 namespace thermorig::estimators {
 
 namespace {
@@ -30,7 +28,7 @@ double RestBlock::noise_variance() const {
 
 std::optional<RestBlock> GyroRests::add(const TimedGyro& sample) {
   const HostTime time = sample.stamp.time;
-  if (!network::is_sound_rate(sample.rate_dps)) {
+  if (!is_rate(sample.rate_dps)) {
     interrupt();
     return std::nullopt;
   }

@@ -7,7 +7,6 @@
 
 #include "entries.h"
 #include "thermorig/estimators/likelihood/camera_rate.h"
-#include "window_rates.h"
 
 namespace thermorig::estimators {
 

@@ -10,10 +10,8 @@
 
 #include "entries.h"
 #include "thermorig/network/gate.h"
-#include "thermorig/network/soundness.h"
 #include "thermorig/network/trainer.h"
 #include "thermorig/network/turn.h"
-#include "window_rates.h"
 
 namespace thermorig::estimators {
 
@@ -99,7 +97,7 @@ class FusionEstimator : public NetworkEstimator {
  private:
   bool hear(const Observation& observation) override {
     gyro_dps_ = rates_.add(observation.gyro_mean_dps);
-    return network::is_sound_rate(gyro_dps_);
+    return is_rate(gyro_dps_);
   }
   void fill(const network::Output& output, RateEstimate& estimate) const override {
     const float scale_dps = network().speed_scale_dps();

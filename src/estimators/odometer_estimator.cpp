@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "entries.h"
-#include "window_rates.h"
 
 namespace thermorig::estimators {
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
 #include "thermorig/estimators/likelihood/rate_bound.h"
 
 namespace thermorig::estimators {
@@ -20,10 +21,7 @@ constexpr double most_gap_s = 0.02;  // between exposures that follow each other
 
 float typical(std::vector<float> values) {
   std::erase_if(values, [](float value) { return !std::isfinite(value); });
-  if (values.empty()) return RateEstimate::not_known;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? RateEstimate::not_known : reordering_median(values);
 }
 
 }  // namespace

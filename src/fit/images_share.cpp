@@ -19,7 +19,7 @@ constexpr std::size_t most_frames = 16;  // of a leg
 constexpr std::size_t fewest_looks = 3;  // that make a leg's median one
 constexpr std::size_t fewest_legs = 3;
 constexpr double slowest_dps = 15.0;  // below it noise is much of the rate
-constexpr double told_share = 0.5;    // of the looks: else chance chooses which ones are told
+constexpr double told_share = 0.5;    // of the windows: else chance chooses which ones know their rate
 constexpr double worst_uncertainty = 0.1;
 
 struct LegView {

@@ -11,15 +11,11 @@ namespace thermorig::network {
 namespace {
 
 bool is_sound(const Acquisition& acquisition, std::size_t frame, std::span<const float> temp_c) {
-  return is_sound_rate(acquisition.label_dps[frame]) && is_sound_rate(acquisition.gyro_dps[frame]) &&
+  return is_rate(acquisition.label_dps[frame]) && is_rate(acquisition.gyro_dps[frame]) &&
          is_sound_image(temp_c);
 }
 
 }  // namespace
-
-bool is_sound_rate(float rate_dps) {
-  return is_rate(rate_dps);
-}
 
 bool is_sound_image(std::span<const float> temp_c) {
   return std::all_of(temp_c.begin(), temp_c.end(), is_temperature);

@@ -6,7 +6,7 @@
 namespace thermorig::pipeline {
 
 namespace {
-constexpr std::size_t frames_for_mode = 16;  // then the halves have told how the camera works
+constexpr std::size_t frames_for_mode = 16;  // by then the half-frames show how the camera works
 
 double frame_period_s(const CameraProfile& profile, const Fits& fits) {
   return fits.frame_period_s.value_or(1.0 / profile.output_rate_hz);
@@ -84,7 +84,7 @@ std::span<const TimedFrame> CameraDecoder::take(std::vector<TimedFrame>& out) {
     exposure_.expose(frame);
     const labels::FrameGap gap = gap_before(frame, halves);
     frame.missing_before = gap.missing;
-    frame.late = gap.late && !is_known;  // its turn tells when a frame was taken, however late it was read
+    frame.late = gap.late && !is_known;  // its turn fixes when a frame was taken, however late it was read
     last_frame_ = frame.stamp.time;
   }
   messages_.clear();

@@ -10,7 +10,7 @@ namespace {
 
 using Shares = std::array<double, HeadingFilter::nodes>;
 
-const HeadingFilter::Row of_heading{1.0};  // of a still rig's exposure
+const HeadingFilter::Vector of_heading{1.0};  // of a still rig's exposure
 
 /// An exposure that ends now, at a constant reading.
 ExposedTurn turn_at(double read_dps) {
@@ -39,7 +39,7 @@ TEST(HeadingFilter, LearnsTheBiasFromAHeading) {
   filter.predict(5.0, 1.0, 0.0);  // it stood still
   Shares ahead{};
   HeadingFilter::add_shares(0.0, 1.0, ahead);
-  const auto row = filter.derivative(turn_at(5.0), 1.0, 5.0, ahead);
+  const auto row = filter.jacobian(turn_at(5.0), 1.0, 5.0, ahead);
   filter.update(row, -filter.exposed_deg(turn_at(5.0), 1.0, 5.0), 1e-6);
   EXPECT_NEAR(filter.bias_dps(), 5.0, 0.05);
   EXPECT_LT(filter.sigma(HeadingFilter::bias), 0.2);
@@ -51,7 +51,7 @@ TEST(HeadingFilter, BlamesTheMapWhereItWasMadeWithTheSameError) {
   filter.begin_nodes(-30.0, 30.0, of_heading);
   Shares ahead{};
   HeadingFilter::add_shares(0.0, 1.0, ahead);
-  auto row = filter.derivative(turn_at(0.0), 1.0, 0.0, ahead);
+  auto row = filter.jacobian(turn_at(0.0), 1.0, 0.0, ahead);
   row[HeadingFilter::bias] = row[HeadingFilter::latency] = row[HeadingFilter::scale] = 0.0;
   EXPECT_LT(filter.variance(row), 1e-6);  // heading against that part of the map
   EXPECT_GT(filter.sigma(HeadingFilter::heading), 9.0);
@@ -63,7 +63,7 @@ TEST(HeadingFilter, TakesPartsOfTheMapForOffEachByItself) {
   const auto of = [&](double azimuth_deg) {
     Shares about{};
     HeadingFilter::add_shares(azimuth_deg, 1.0, about);
-    auto row = filter.derivative(turn_at(0.0), 1.0, 0.0, about);
+    auto row = filter.jacobian(turn_at(0.0), 1.0, 0.0, about);
     row[HeadingFilter::bias] = row[HeadingFilter::latency] = row[HeadingFilter::scale] = 0.0;
     return row;
   };
@@ -77,14 +77,14 @@ TEST(HeadingFilter, TakesPartsOfTheMapForOffEachByItself) {
 TEST(HeadingFilter, LearnsTheLatencyFromAnotherSpeedAlone) {
   HeadingFilter filter({.bias_sigma_dps = 0.0, .scale_sigma = 0.0, .latency_sigma_s = 0.01});
   const ExposedTurn turn = turn_at(60.0), back = turn_at(-60.0);
-  filter.begin_nodes(-40.0, 30.0, filter.derivative(turn, 1.0, 60.0));
+  filter.begin_nodes(-40.0, 30.0, filter.jacobian(turn, 1.0, 60.0));
   Shares ahead{};
   HeadingFilter::add_shares(filter.exposed_deg(turn, 1.0, 60.0), 1.0, ahead);
   // What the map shows at the speed at which it was made is off by as much.
-  filter.update(filter.derivative(turn, 1.0, 60.0, ahead), 0.3, 0.01);
+  filter.update(filter.jacobian(turn, 1.0, 60.0, ahead), 0.3, 0.01);
   EXPECT_NEAR(filter.latency_s(), 0.0, 1e-6);
   EXPECT_NEAR(filter.sigma(HeadingFilter::latency), 0.01, 1e-4);
-  filter.update(filter.derivative(back, 1.0, -60.0, ahead), 0.6, 1e-6);
+  filter.update(filter.jacobian(back, 1.0, -60.0, ahead), 0.6, 1e-6);
   EXPECT_NEAR(filter.latency_s(), 0.005, 1e-4);  // 120 deg/s apart
 }
 
@@ -94,7 +94,7 @@ TEST(HeadingFilter, BlamesTheMapWhereItWasWrittenAgainWithTheErrorOfNow) {
   filter.predict(0.0, 10.0, 0.0);  // 10 deg of error since
   Shares ahead{};
   HeadingFilter::add_shares(0.0, 1.0, ahead);
-  auto row = filter.derivative(turn_at(0.0), 1.0, 0.0, ahead);
+  auto row = filter.jacobian(turn_at(0.0), 1.0, 0.0, ahead);
   row[HeadingFilter::bias] = row[HeadingFilter::latency] = row[HeadingFilter::scale] = 0.0;
   EXPECT_GT(filter.variance(row), 80.0);
   filter.rewrite(Shares{0.5}, of_heading);  // the node ahead
@@ -124,7 +124,7 @@ TEST(HeadingFilter, AHeadingThatWasFoundIsNoSurerThanHowLateTheCameraIs) {
   priors.latency_sigma_s = 0.03;
   HeadingFilter filter(priors);
   const ExposedTurn turn = turn_at(100.0);
-  const auto exposed = filter.derivative(turn, 1.0, 100.0);
+  const auto exposed = filter.jacobian(turn, 1.0, 100.0);
   filter.find_heading(exposed, 20.0, 0.5);
   EXPECT_NEAR(filter.heading_deg(), 20.0, 1e-9);
   EXPECT_NEAR(std::sqrt(filter.variance(exposed)), 0.5, 0.01) << "where it looked";

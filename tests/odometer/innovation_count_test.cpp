@@ -16,7 +16,7 @@ InnovationCount count_of(const std::function<double(int, double)>& off_deg) {
     const double rate_dps = i / 20 % 2 == 0 ? 80.0 : -80.0;
     const bool is_far_off = i % 10 == 0;
     count.add({.is_judged = true,
-               .squared = is_far_off ? 25.0 : 0.7,
+               .nis = is_far_off ? 25.0 : 0.7,
                .innovation_deg = is_far_off ? off_deg(i / 10, rate_dps) : 0.1,
                .rate_dps = rate_dps});
   }
@@ -43,9 +43,9 @@ TEST(InnovationCount, DoesNotTakeALensThatIsALittleOffForTraffic) {
 
 TEST(InnovationCount, DoesNotTakeAKnockForTraffic) {
   InnovationCount count;
-  for (int i = 0; i < 100; ++i) count.add({.is_judged = true, .squared = 0.7, .innovation_deg = 0.1});
+  for (int i = 0; i < 100; ++i) count.add({.is_judged = true, .nis = 0.7, .innovation_deg = 0.1});
   for (const double off_deg : {6.0, -6.0})
-    count.add({.is_judged = true, .squared = 100.0, .innovation_deg = off_deg, .rate_dps = 50.0});
+    count.add({.is_judged = true, .nis = 100.0, .innovation_deg = off_deg, .rate_dps = 50.0});
   EXPECT_FALSE(count.shows_traffic_after_start());
 }
 
@@ -53,7 +53,7 @@ TEST(InnovationCount, DoesNotTakeAKnockForTraffic) {
 TEST(InnovationCount, DoesNotTakeABareWallForTraffic) {
   InnovationCount count = count_of([](int number, double) { return number % 2 == 0 ? 1.0 : -1.0; });
   for (int i = 0; i < 40; ++i)
-    count.add({.is_judged = true, .squared = 1.0, .innovation_deg = i % 2 == 0 ? 5.0 : -5.0});
+    count.add({.is_judged = true, .nis = 1.0, .innovation_deg = i % 2 == 0 ? 5.0 : -5.0});
   EXPECT_FALSE(count.shows_traffic_after_start());
 }
 
@@ -62,7 +62,7 @@ TEST(InnovationCount, ForgetsWhatCameLongAgo) {
   ASSERT_TRUE(count.shows_traffic_after_start());
   for (int i = 0; i < 3; ++i) count.forget_half();
   EXPECT_EQ(count.judged(), 25);
-  for (int i = 0; i < 200; ++i) count.add({.is_judged = true, .squared = 0.7, .innovation_deg = 0.1});
+  for (int i = 0; i < 200; ++i) count.add({.is_judged = true, .nis = 0.7, .innovation_deg = 0.1});
   EXPECT_FALSE(count.shows_traffic_after_start());
 }
 

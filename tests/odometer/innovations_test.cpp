@@ -8,7 +8,7 @@ namespace {
 
 /// As far off as was expected of one standard deviation, to that side.
 HalfResult off_by(double innovation_deg, double rate_dps) {
-  return {.squared = 1.0, .innovation_deg = innovation_deg, .rate_dps = rate_dps};
+  return {.nis = 1.0, .innovation_deg = innovation_deg, .rate_dps = rate_dps};
 }
 
 TEST(MeanInnovation, IsMuchOnceTwentyHalvesLieOneSigmaToOneSide) {

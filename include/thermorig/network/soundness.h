@@ -13,9 +13,7 @@ namespace thermorig::network {
 /// windows, those for which both sensors have something to say.
 void clear_unsound_frames(Acquisition& acquisition);
 
-/// The same of one frame's numbers: a speed that is one, and within 10,000 deg/s; pixels within -60..400
-/// degC.
-bool is_sound_rate(float rate_dps);
+/// The same of one frame's pixels.
 bool is_sound_image(std::span<const float> temp_c);
 
 }  // namespace thermorig::network

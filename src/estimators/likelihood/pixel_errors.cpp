@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::likelihood {
 
 namespace {
@@ -58,14 +60,13 @@ bool PixelErrors::clean(const ThermalFrame& frame, unsigned parity, HalfLines& l
       sizes_[i] = std::abs(pixel.beyond_c - pixel.error_c);
     }
   if (unsound > most_unsound) return false;
-  const auto middle = sizes_.begin() + static_cast<std::ptrdiff_t>(sizes_.size() / 2);
-  std::nth_element(sizes_.begin(), middle, sizes_.end());
+  const float typical_c = reordering_median(sizes_);
   const float share = half.count / (half.count + prior_halves);
   for (i = 0; i < half.pixels.size(); ++i) {
     const Pixel& pixel = half.pixels[i];
     float& temp_c = lines[i / line_pixels][i % line_pixels];
     const bool is_broken = std::abs(pixel.error_c) > broken_c || pixel.repeats >= stuck_after ||
-                           std::abs(pixel.beyond_c - pixel.error_c) > glitch * *middle;
+                           std::abs(pixel.beyond_c - pixel.error_c) > glitch * typical_c;
     temp_c = is_broken ? about_c_[i] : temp_c - share * pixel.error_c;
   }
   return true;

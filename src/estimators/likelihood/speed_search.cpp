@@ -150,10 +150,11 @@ void explain_at(const WindowLines& window, const Lines& lines, const SpeedPatter
   const std::size_t count = std::min(waves, depth.waves - first_wave);
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t wave = first_wave + k;
-    const auto freedom = static_cast<double>(window.lines() - (wave == 0 ? window.halves() : 0));
-    const double contrast = window.energy(wave) / (2.0 * freedom * noise_variance) - 1.0;
-    variance[k] = static_cast<float>(std::clamp(contrast, 0.0, most_contrast) *
-                                     static_cast<double>(lines.classes) * freedom / patterns.trace);
+    const auto degrees_of_freedom = static_cast<double>(window.lines() - (wave == 0 ? window.halves() : 0));
+    const double contrast = window.energy(wave) / (2.0 * degrees_of_freedom * noise_variance) - 1.0;
+    variance[k] =
+        static_cast<float>(std::clamp(contrast, 0.0, most_contrast) * static_cast<double>(lines.classes) *
+                           degrees_of_freedom / patterns.trace);
   }
   explain<waves>(lines, patterns, std::span(variance).first(count), first_wave, depth,
                  static_cast<float>(noise_variance), out);
@@ -224,7 +225,8 @@ SpeedSearch::Fit SpeedSearch::fit(const WindowLines& lines, std::size_t place, c
     fit.logarithm +=
         trusted * over_contrasts(std::span(explained.doubled[wave]).first(depth.contrasts.size()));
   }
-  fit.freedom = static_cast<double>(2 * (depth.waves * lines.lines() - lines.halves()) - explained.patterns);
+  fit.degrees_of_freedom =
+      static_cast<double>(2 * (depth.waves * lines.lines() - lines.halves()) - explained.patterns);
   return fit;
 }
 
@@ -294,7 +296,7 @@ SpeedPosterior SpeedSearch::search(const WindowLines& lines, double noise_varian
   sum_up([](double) { return 0.0; }, found_);
   found_.is_at_end = top_ <= range_.low || top_ >= range_.high;
   const Fit best = fit(lines, top_, fine_depth, noise_variance);
-  found_.noise_variance = best.unexplained / best.freedom;
+  found_.noise_variance = best.unexplained / best.degrees_of_freedom;
   return found_;
 }
 

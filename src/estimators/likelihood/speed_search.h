@@ -64,9 +64,9 @@ class SpeedSearch {
 
  private:
   struct Fit {
-    double logarithm = 0.0;    // of the likelihood
-    double unexplained = 0.0;  // energy beside all patterns
-    double freedom = 0.0;      // of that
+    double logarithm = 0.0;           // of the likelihood
+    double unexplained = 0.0;         // energy beside all patterns
+    double degrees_of_freedom = 0.0;  // of that
   };
   struct Range {
     std::size_t low = 0, high = 0;

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "scene_prior.h"
+#include "window_lines.h"
 
 namespace thermorig::likelihood {
 

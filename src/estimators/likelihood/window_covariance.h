@@ -6,6 +6,15 @@
 
 namespace thermorig::likelihood {
 
+/// What two pixels of a row have in common, of a scene of unit variance, while the camera turns at a constant
+/// speed. `distance`: between the middles of what they sweep; `speed`: what each sweeps, either sign.
+double swept_covariance(double distance, double speed);
+
+/// Where in the scene a pixel's sweep has its middle, from where column 0 looks in the middle of the window.
+/// `half`: of so many halves, the oldest is 0. The line begins with column 0 in the oldest half, with column
+/// 1 in the next one.
+double place_of(std::size_t half, std::size_t halves, std::size_t pixel, double speed);
+
 /// Of the pixels of a row in all halves of a window, half after half, for a scene of unit variance:
 /// (halves * line_pixels) squared.
 Eigen::MatrixXd window_covariance(std::size_t halves, double speed);

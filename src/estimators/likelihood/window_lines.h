@@ -2,14 +2,21 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
-#include "scene_prior.h"
+#include "thermorig/core/frame.h"
 
 namespace thermorig::likelihood {
 
-/// The pixels of one chess half: (row, every second pixel of it).
+// Lengths are in pitches of a pixel, speeds in pitches an exposure. A line is what one row of pixels shows in
+// one half-frame: every second pixel of it.
+
+inline constexpr std::size_t line_pixels = frame_columns / 2;
+inline constexpr std::size_t half_rows = frame_rows / 2;
+
+/// The pixels of one half-frame: (row, every second pixel of it).
 using HalfLines = std::array<std::array<float, line_pixels>, frame_rows>;
 
 /// A value for each wave up the columns: cosines over every second row, the longest first. They part what is

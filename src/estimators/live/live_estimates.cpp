@@ -6,7 +6,6 @@
 
 #include "thermorig/network/frames_in_a_row.h"
 #include "thermorig/network/last_blocks.h"
-#include "thermorig/network/soundness.h"
 #include "thermorig/network/window_index.h"
 
 namespace thermorig::live {
@@ -51,8 +50,8 @@ EstimateRow LiveEstimates::add(const Measurement& measurement, HostTime arrived)
   const LabelledSample& sample = measurement.sample;
   const int frames = parts.bank.frames();
   const int in_a_row = parts.in_a_row.push(frame);
-  const bool sound = (in_a_row > 0 || frame.stands_in) && network::is_sound_rate(sample.rate_commanded_dps) &&
-                     network::is_sound_rate(sample.rate_gyro_dps);
+  const bool sound = (in_a_row > 0 || frame.stands_in) && is_rate(sample.rate_commanded_dps) &&
+                     is_rate(sample.rate_gyro_dps);
   parts.labels.push(sample.rate_commanded_dps);
   EstimateRow row = row_of(sample, arrived);
   row.rate_commanded_dps = network::mean_rate(parts.labels.all());

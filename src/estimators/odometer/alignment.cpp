@@ -45,7 +45,7 @@ HalfPixels Alignment::beside_row(const View& view, double azimuth_deg) const {
       const std::size_t below = std::min(above + 1, frame_rows - 1);
       const auto shown_c = [&](std::size_t in_row) {
         Panorama::Column temp_c, known;
-        panorama_.look(ray_in_row(view, azimuth_deg, column, row, in_row), temp_c, known);
+        panorama_.predict(ray_in_row(view, azimuth_deg, column, row, in_row), temp_c, known);
         return known[in_row / 2] > 0.0F ? temp_c[in_row / 2] : std::numeric_limits<float>::quiet_NaN();
       };
       const float part = static_cast<float>(map_row - static_cast<double>(above));
@@ -56,13 +56,13 @@ HalfPixels Alignment::beside_row(const View& view, double azimuth_deg) const {
 }
 
 /// A column of the half less what the map shows.
-void Alignment::Residuals::take(const View& view, std::size_t column, const Panorama::Look& look) {
+void Alignment::Residuals::take(const View& view, std::size_t column, const Panorama::Predicted& predicted) {
   for (std::size_t k = 0; k < half_rows; ++k) {
     const std::size_t i = column * half_rows + k;
     const float temp_c = (*view.temp_c)[i];
-    const bool is_compared = look.known[k] > 0.0F && !std::isnan(temp_c);
-    residual[i] = is_compared ? temp_c - look.temp_c[k] : 0.0F;
-    weight[i] = is_compared ? 1.0F / ((*view.variance)[i] + look.variance[k]) : 0.0F;
+    const bool is_compared = predicted.known[k] > 0.0F && !std::isnan(temp_c);
+    residual[i] = is_compared ? temp_c - predicted.temp_c[k] : 0.0F;
+    weight[i] = is_compared ? 1.0F / ((*view.variance)[i] + predicted.variance[k]) : 0.0F;
     weights += weight[i];
     sum += weight[i] * residual[i];
     flat_sum += is_compared ? weight[i] * temp_c : 0.0F;
@@ -71,11 +71,11 @@ void Alignment::Residuals::take(const View& view, std::size_t column, const Pano
 
 Alignment::Residuals Alignment::residuals(const View& view, double azimuth_deg) const {
   Residuals all;
-  Panorama::Look look;
+  Panorama::Predicted predicted;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     each_ray(view, azimuth_deg, column,
-             [&](const Panorama::Ray& ray) { panorama_.look_at_mean(ray, Slope().reach, look); });
-    all.take(view, column, look);
+             [&](const Panorama::Ray& ray) { panorama_.predict_mean(ray, Slope().reach, predicted); });
+    all.take(view, column, predicted);
   }
   return all;
 }
@@ -99,14 +99,15 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
   HalfPixels slopes_k_deg, slope_variance;
   Residuals all;
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    Panorama::Look look;
+    Panorama::Predicted predicted;
     each_ray(view, azimuth_deg, column,
-             [&](const Panorama::Ray& ray) { panorama_.look(ray, slope.reach, slope.smooth, look); });
-    all.take(view, column, look);
+             [&](const Panorama::Ray& ray) { panorama_.predict(ray, slope.reach, slope.smooth, predicted); });
+    all.take(view, column, predicted);
     const std::size_t first = column * half_rows;
-    std::copy(look.variance.begin(), look.variance.end(), &comparison.map_variance[first]);
-    std::copy(look.of_azimuth.slope.begin(), look.of_azimuth.slope.end(), &slopes_k_deg[first]);
-    std::copy(look.of_azimuth.variance.begin(), look.of_azimuth.variance.end(), &slope_variance[first]);
+    std::copy(predicted.variance.begin(), predicted.variance.end(), &comparison.map_variance[first]);
+    std::copy(predicted.of_azimuth.slope.begin(), predicted.of_azimuth.slope.end(), &slopes_k_deg[first]);
+    std::copy(predicted.of_azimuth.variance.begin(), predicted.of_azimuth.variance.end(),
+              &slope_variance[first]);
   }
   comparison.residual = all.residual;
   auto& [residual, weight, weights, sum, flat_sum] = all;
@@ -171,7 +172,7 @@ double Alignment::squares(const View& view, double azimuth_deg) const {
   for (std::size_t column = 0; column < frame_columns; ++column) {
     Panorama::Column temp_c, is_known;
     each_ray(view, azimuth_deg, column,
-             [&](const Panorama::Ray& ray) { panorama_.look(ray, temp_c, is_known); });
+             [&](const Panorama::Ray& ray) { panorama_.predict(ray, temp_c, is_known); });
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       expected[i] = temp_c[k];
@@ -223,14 +224,14 @@ Alignment::Explained Alignment::explained(const View& view, double azimuth_deg) 
   return explained;
 }
 
-double Alignment::searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const {
+double Alignment::searched(const View& view, double azimuth_deg, double sigma_deg, int& comparisons) const {
   // Compared before it becomes whole: after years without a sample sigma is beyond any int.
   const auto reach = static_cast<int>(std::min(double{most_search_steps}, 3.0 * sigma_deg / search_step_deg));
   double best_deg = azimuth_deg, best = std::numeric_limits<double>::infinity();
   for (int i = -reach; i <= reach; ++i) {
     const double tried_deg = azimuth_deg + i * search_step_deg;
     const Fit fit = this->fit(view, tried_deg);
-    ++looks;
+    ++comparisons;
     if (fit.pixels < fewest_pixels) continue;
     const double off = i * search_step_deg / sigma_deg;
     const double cost = fit.cost + off * off / fit.pixels;
@@ -244,12 +245,13 @@ double Alignment::searched(const View& view, double azimuth_deg, double sigma_de
 Alignment::Found Alignment::find(const View& view, double azimuth_deg, double sigma_deg) const {
   Found found;
   found.azimuth_deg = azimuth_deg;
-  if (sigma_deg > search_from_deg) found.azimuth_deg = searched(view, azimuth_deg, sigma_deg, found.looks);
+  if (sigma_deg > search_from_deg)
+    found.azimuth_deg = searched(view, azimuth_deg, sigma_deg, found.comparisons);
   Slope slope;
   double least_deg2 = std::numeric_limits<double>::infinity();
   for (const Slope& tried : slopes) {
     const Comparison comparison = compare(view, found.azimuth_deg, tried);
-    ++found.looks;
+    ++found.comparisons;
     if (comparison.pixels < fewest_pixels || comparison.variance_deg2() >= least_deg2) continue;
     least_deg2 = comparison.variance_deg2();
     slope = tried;
@@ -260,7 +262,7 @@ Alignment::Found Alignment::find(const View& view, double azimuth_deg, double si
     const double step_deg = std::clamp(found.comparison.step_deg(), -longest_step_deg, longest_step_deg);
     found.azimuth_deg += step_deg;
     found.comparison = compare(view, found.azimuth_deg, slope);
-    ++found.looks;
+    ++found.comparisons;
     if (found.comparison.pixels < fewest_pixels) return found;
     if (std::abs(step_deg) < 0.002) break;
   }

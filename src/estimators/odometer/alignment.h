@@ -17,7 +17,7 @@ struct RowSweeps {
   std::array<float, frame_rows> half_width_deg{};
 };
 
-/// A half to be laid against the panorama: what it shows without its pixels' errors, and their noise.
+/// A half-frame to be registered: what it shows without its pixels' errors, and their noise.
 struct View {
   const HalfPixels* temp_c = nullptr;  // NaN: no reading
   const HalfPixels* variance = nullptr;
@@ -35,7 +35,8 @@ struct Slope {
   bool smooth = false;
 };
 
-/// Lays halves against the panorama.
+/// Registers half-frames against the panorama: the azimuth at which its pixels fit best, by Gauss-Newton with
+/// a robust loss, and how well they tell it.
 class Alignment {
  public:
   Alignment(const Panorama& panorama, const HeadingFilter& filter, const Lens& lens)
@@ -65,7 +66,7 @@ class Alignment {
   struct Found {
     double azimuth_deg = 0.0;
     bool is_found = false;
-    int looks = 0;  // at the map
+    int comparisons = 0;  // at the map
     Comparison comparison;
   };
   /// The best azimuth about one that is known to `sigma_deg`.
@@ -101,7 +102,7 @@ class Alignment {
   struct Residuals {
     HalfPixels residual, weight;  // 0, both, where nothing is compared
     float weights = 0.0F, sum = 0.0F, flat_sum = 0.0F;
-    void take(const View& view, std::size_t column, const Panorama::Look& look);
+    void take(const View& view, std::size_t column, const Panorama::Predicted& predicted);
   };
   Residuals residuals(const View& view, double azimuth_deg) const;
   struct Fit {
@@ -117,7 +118,7 @@ class Alignment {
     return Panorama::of_pixel(map_azimuth_deg(azimuth_deg + double{view.rows->shift_deg[row]} + bearing_deg),
                               double{view.rows->half_width_deg[row]}, map_row);
   }
-  double searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const;
+  double searched(const View& view, double azimuth_deg, double sigma_deg, int& comparisons) const;
 
   const Panorama& panorama_;
   const HeadingFilter& filter_;

@@ -21,7 +21,7 @@ constexpr std::size_t work_a_step = 300'000;              // looks
 constexpr double gyro_trust = 0.1, order_trust = 0.05;    // of the likelihood of a mosaic
 constexpr double latency_step_s = 0.020, latency_reach_sigmas = 2.5, latest_s = 0.2;
 constexpr std::array all_orders{RowOrder::at_once, RowOrder::first_to_last, RowOrder::last_to_first};
-constexpr double named_rate_dps = 1.0;  // one standard deviation, at the speed of those halves
+constexpr double known_rate_dps = 1.0;  // one standard deviation, at the speed of those halves
 // Time stamps, rows and lens are off in all halves alike.
 constexpr double searched_bias_sigma_dps = 0.3, searched_scale_sigma = 0.003;
 
@@ -36,9 +36,9 @@ bool is_same_gyro(const Priors& one, const Priors& other) {
 
 }  // namespace
 
-bool names_scale(const Priors& found) {
-  constexpr double named_scale = 0.009;  // one standard deviation
-  return found.scale_sigma < named_scale;
+bool is_scale_known(const Priors& found) {
+  constexpr double known_scale_sigma = 0.009;  // one standard deviation
+  return found.scale_sigma < known_scale_sigma;
 }
 
 GyroSearch::GyroSearch(const Priors& priors, const SharedLens& lens, bool latency_measured)
@@ -53,7 +53,7 @@ GyroSearch::GyroSearch(const Priors& priors, const SharedLens& lens, bool latenc
 
 void GyroSearch::clear() {
   found_.reset();
-  other_.reset();
+  rival_.reset();
   rows_ = {lens_->rows(), 0.0};
   level_ = order_level + 1;
   new_halves_ = 0;
@@ -68,12 +68,12 @@ void GyroSearch::add(const HalfStore& store, const TurnPath& path) {
 void GyroSearch::begin(const HalfStore& store, const TurnPath& path) {
   new_halves_ = 0;
   mosaic_.take(store, path);
-  if (mosaic_.halves() >= fewest_halves) lay_grid();
+  if (mosaic_.halves() >= fewest_halves) make_grid();
 }
 
 /// A step moves the outermost halves by two cells against the middle ones: the nearest candidate is half a
 /// cell off there at most.
-void GyroSearch::lay_grid() {
+void GyroSearch::make_grid() {
   level_ = 0;
   next_ = 0;
   const double cell_deg = coarse_pixels * lens_->pitch_deg();
@@ -83,16 +83,16 @@ void GyroSearch::lay_grid() {
       std::max(2.0 * cell_deg / std::max(cell_deg, mosaic_.turned_deg()), scale_reach / most_scale_steps);
   const auto biases = static_cast<int>(std::ceil(bias_reach_dps / step_dps_));
   const auto scales = static_cast<int>(std::ceil(scale_reach / scale_step_));
-  // With the middle row's times alone four of 16 simulated rooms whose rows are exposed in turn start after
-  // 43 to 51 s, instead of 29 to 37.
+  // Where rows are exposed in turn, the middle row's times alone make starts late.
   const bool may_be_last_row = !lens_->knows_rows() && !latency_measured_;
   candidates_.clear();
   for (int late = 0; late < (may_be_last_row ? 2 : 1); ++late)
     for (int scale = -scales; scale <= scales; ++scale)
       for (int bias = -biases; bias <= biases; ++bias)
-        candidates_.push_back({.laying = {.bias_dps = priors_.bias_dps + bias * step_dps_,
-                                          .scale = priors_.scale + scale * scale_step_,
-                                          .latency_s = priors_.latency_s + 0.5 * late * mosaic_.period_s()}});
+        candidates_.push_back(
+            {.hypothesis = {.bias_dps = priors_.bias_dps + bias * step_dps_,
+                            .scale = priors_.scale + scale * scale_step_,
+                            .latency_s = priors_.latency_s + 0.5 * late * mosaic_.period_s()}});
 }
 
 void GyroSearch::go_on() {
@@ -100,7 +100,7 @@ void GyroSearch::go_on() {
   std::size_t work = 0;
   for (; next_ < candidates_.size() && work < work_a_step; ++next_, work += of_one) {
     Candidate& one = candidates_[next_];
-    one.log_likelihood = log_before(one.laying) + log_likelihood(one.laying);
+    one.log_likelihood = log_before(one.hypothesis) + log_likelihood(one.hypothesis);
   }
   if (next_ == candidates_.size()) end_level();
 }
@@ -110,11 +110,11 @@ void GyroSearch::end_level() {
   if (level_ < finest_level) {
     refine();
   } else if (level_ == finest_level) {
-    name();
-    lay_orders();
-  } else if (names_rate()) {
-    name_rows();
-    believe();
+    estimate_gyro();
+    make_orders();
+  } else if (is_rate_known()) {
+    estimate_rows();
+    confirm();
   }
   ++level_;
 }
@@ -130,8 +130,8 @@ void GyroSearch::refine() {
     for (const double bias_steps : {-0.25, 0.25})
       for (const double scale_steps : {-0.25, 0.25}) {
         Candidate finer = one;
-        finer.laying.bias_dps += bias_steps * step_dps_;
-        finer.laying.scale += scale_steps * scale_step_;
+        finer.hypothesis.bias_dps += bias_steps * step_dps_;
+        finer.hypothesis.scale += scale_steps * scale_step_;
         candidates_.push_back(finer);
       }
   step_dps_ *= 0.5;
@@ -139,15 +139,15 @@ void GyroSearch::refine() {
 }
 
 /// Cauchy's density of a bias, for a profile may be of another day or of another gyro: none is ruled out.
-double GyroSearch::log_before(const Laying& laying) const {
-  return -std::log(1.0 + square((laying.bias_dps - priors_.bias_dps) / priors_.bias_sigma_dps)) -
-         0.5 * square((laying.scale - priors_.scale) / priors_.scale_sigma);
+double GyroSearch::log_before(const Hypothesis& hypothesis) const {
+  return -std::log(1.0 + square((hypothesis.bias_dps - priors_.bias_dps) / priors_.bias_sigma_dps)) -
+         0.5 * square((hypothesis.scale - priors_.scale) / priors_.scale_sigma);
 }
 
 /// Of an order of rows by all bands, of a gyro by the one whose times hardly depend on it.
-double GyroSearch::log_likelihood(const Laying& laying) {
-  if (level_ == order_level) return order_trust * mosaic_.log_likelihood_of_bands(laying, fine_pixels);
-  return gyro_trust * mosaic_.log_likelihood(laying, level_ == 0 ? coarse_pixels : fine_pixels);
+double GyroSearch::log_likelihood(const Hypothesis& hypothesis) {
+  if (level_ == order_level) return order_trust * mosaic_.log_likelihood_of_bands(hypothesis, fine_pixels);
+  return gyro_trust * mosaic_.log_likelihood(hypothesis, level_ == 0 ? coarse_pixels : fine_pixels);
 }
 
 const GyroSearch::Candidate& GyroSearch::best() const {
@@ -156,13 +156,13 @@ const GyroSearch::Candidate& GyroSearch::best() const {
       [](const Candidate& a, const Candidate& b) { return a.log_likelihood < b.log_likelihood; });
 }
 
-void GyroSearch::name() {
+void GyroSearch::estimate_gyro() {
   const double most = best().log_likelihood;
   double sum = 0.0, bias = 0.0, scale = 0.0, bias2 = 0.0, scale2 = 0.0, both = 0.0;
   for (const Candidate& one : candidates_) {
     const double weight = std::exp(one.log_likelihood - most);
-    const double bias_off = one.laying.bias_dps - priors_.bias_dps;
-    const double scale_off = one.laying.scale - priors_.scale;
+    const double bias_off = one.hypothesis.bias_dps - priors_.bias_dps;
+    const double scale_off = one.hypothesis.scale - priors_.scale;
     sum += weight;
     bias += weight * bias_off;
     scale += weight * scale_off;
@@ -172,30 +172,31 @@ void GyroSearch::name() {
   }
   bias /= sum;
   scale /= sum;
-  named_ = priors_;
-  named_.bias_dps += bias;
-  named_.scale += scale;
+  estimate_ = priors_;
+  estimate_.bias_dps += bias;
+  estimate_.scale += scale;
   // Cells are no finer than two of the last steps.
   const double bias_sigma = std::sqrt(std::max(0.0, bias2 / sum - square(bias)));
   const double scale_sigma = std::sqrt(std::max(0.0, scale2 / sum - square(scale)));
-  named_.bias_sigma_dps = std::hypot(bias_sigma, 2.0 * step_dps_, searched_bias_sigma_dps);
+  estimate_.bias_sigma_dps = std::hypot(bias_sigma, 2.0 * step_dps_, searched_bias_sigma_dps);
   const double widest = std::hypot(scale_sigma, 2.0 * scale_step_, searched_scale_sigma);
-  named_.scale_sigma = std::min(widest, priors_.scale_sigma);
-  const double correlated = named_.scale_sigma / widest;  // or bias and scale could have no such covariance
-  named_.bias_scale_covariance = correlated * (both / sum - bias * scale);
+  estimate_.scale_sigma = std::min(widest, priors_.scale_sigma);
+  const double correlated =
+      estimate_.scale_sigma / widest;  // or bias and scale could have no such covariance
+  estimate_.bias_scale_covariance = correlated * (both / sum - bias * scale);
 }
 
 /// By the speed of the halves, within what is uncertain of bias and scale.
-bool GyroSearch::names_rate() const {
-  const double turned_dps = (mosaic_.mean_read_dps() - named_.bias_dps) / named_.scale;
-  const double rate_variance = square(named_.bias_sigma_dps) + square(turned_dps * named_.scale_sigma) +
-                               2.0 * turned_dps * named_.bias_scale_covariance;
-  return rate_variance < square(named_rate_dps);
+bool GyroSearch::is_rate_known() const {
+  const double turned_dps = (mosaic_.mean_read_dps() - estimate_.bias_dps) / estimate_.scale;
+  const double rate_variance = square(estimate_.bias_sigma_dps) + square(turned_dps * estimate_.scale_sigma) +
+                               2.0 * turned_dps * estimate_.bias_scale_covariance;
+  return rate_variance < square(known_rate_dps);
 }
 
 /// With the best gyro. Each order with latencies of its own, or one would make up for the other.
-void GyroSearch::lay_orders() {
-  Laying laying = best().laying;
+void GyroSearch::make_orders() {
+  Hypothesis hypothesis = best().hypothesis;
   const double reach_s = std::min(latency_reach_sigmas * priors_.latency_sigma_s, latest_s);
   const auto reach = static_cast<int>(reach_s / latency_step_s);
   const double last_row_s = latency_measured_ ? 0.0 : 0.5 * mosaic_.period_s();
@@ -203,26 +204,26 @@ void GyroSearch::lay_orders() {
   candidates_.clear();
   for (const RowOrder order : all_orders) {
     if (lens_->knows_rows() && order != lens_->rows()) continue;
-    laying.order = order;
+    hypothesis.order = order;
     for (int step = -reach; step <= later; ++step) {
-      laying.latency_s = priors_.latency_s + step * latency_step_s;
-      candidates_.push_back({laying});
+      hypothesis.latency_s = priors_.latency_s + step * latency_step_s;
+      candidates_.push_back({hypothesis});
     }
   }
 }
 
-void GyroSearch::name_rows() {
+void GyroSearch::estimate_rows() {
   const Candidate& first = best();
-  const RowOrder order = first.laying.order;
+  const RowOrder order = first.hypothesis.order;
   FoundRows told{order, std::numeric_limits<double>::infinity()};
   double sum = 0.0, later_s = 0.0, later2 = 0.0;
   for (const Candidate& one : candidates_) {
     const double lead = first.log_likelihood - one.log_likelihood;
-    if (one.laying.order != order) {
+    if (one.hypothesis.order != order) {
       told.margin = std::min(told.margin, lead);
       continue;
     }
-    const double later = one.laying.latency_s - priors_.latency_s;
+    const double later = one.hypothesis.latency_s - priors_.latency_s;
     sum += std::exp(-lead);
     later_s += std::exp(-lead) * later;
     later2 += std::exp(-lead) * square(later);
@@ -230,16 +231,16 @@ void GyroSearch::name_rows() {
   later_s /= sum;
   if (told.margin < FoundRows::least_margin) return;
   const bool is_latency_told = later2 / sum - square(later_s) < square(latency_step_s);
-  if (is_latency_told) named_.latency_s += later_s;
+  if (is_latency_told) estimate_.latency_s += later_s;
   if (!lens_->knows_rows() && told.margin > rows_.margin) rows_ = told;
 }
 
 /// What was named before stands until two searches in a row name the same other gyro.
-void GyroSearch::believe() {
+void GyroSearch::confirm() {
   const bool is_confirmed =
-      !found_ || is_same_gyro(named_, *found_) || (other_ && is_same_gyro(named_, *other_));
-  is_confirmed ? found_ = named_ : other_ = named_;
-  if (is_confirmed) other_.reset();
+      !found_ || is_same_gyro(estimate_, *found_) || (rival_ && is_same_gyro(estimate_, *rival_));
+  is_confirmed ? found_ = estimate_ : rival_ = estimate_;
+  if (is_confirmed) rival_.reset();
 }
 
 }  // namespace thermorig::odometer

@@ -15,7 +15,7 @@ namespace thermorig::odometer {
 inline constexpr double same_scale = 0.015;  // of one gyro, by two searches or by what was learnt
 
 /// A gyro that searches name: its scale as well.
-bool names_scale(const Priors& found);
+bool is_scale_known(const Priors& found);
 
 /// The gyro's bias and scale, and in which order the camera exposes its rows, from up to twenty seconds of
 /// halves at once: those with which they make the sharpest mosaic. The filter, begun with a wrong gyro, finds
@@ -29,11 +29,11 @@ class GyroSearch {
   /// With each new half of the store: a step of bounded work. A search takes the newest halves, and ends up
   /// to a few seconds later; then another one begins.
   void add(const HalfStore& store, const TurnPath& path);
-  /// What was expected, with a better bias and scale, by the last search that told. Nothing: none has. That
-  /// of a rig that rests or turns at one speed tells the rate, and not what of it is bias and what scale.
-  /// Where searches told the order of rows, the camera's latency with it as well.
+  /// What was expected, with the bias and scale that the last search has found. Nothing: none has yet. That
+  /// of a rig that rests or turns at one speed knows the rate, and not what of it is bias and what scale.
+  /// Where searches found the order of rows, the camera's latency with it as well.
   const std::optional<Priors>& found() const { return found_; }
-  /// The order of rows that a search has told by the widest margin. Where a calibration knows it, that one.
+  /// The order of rows that a search has found by the widest margin. Where a calibration knows it, that one.
   const FoundRows& rows() const { return rows_; }
   void clear();
 
@@ -41,24 +41,24 @@ class GyroSearch {
 
  private:
   struct Candidate {
-    Laying laying;
+    Hypothesis hypothesis;
     double log_likelihood = 0.0;
   };
 
   bool is_searching() const { return level_ <= order_level; }
   void begin(const HalfStore& store, const TurnPath& path);
-  void lay_grid();
+  void make_grid();
   void go_on();
   void end_level();
   void refine();
   const Candidate& best() const;
-  void lay_orders();
-  void name();
-  void name_rows();
-  bool names_rate() const;
-  void believe();
-  double log_before(const Laying& laying) const;
-  double log_likelihood(const Laying& laying);
+  void make_orders();
+  void estimate_gyro();
+  void estimate_rows();
+  bool is_rate_known() const;
+  void confirm();
+  double log_before(const Hypothesis& hypothesis) const;
+  double log_likelihood(const Hypothesis& hypothesis);
 
   static constexpr int finest_level = 3, order_level = 4;
 
@@ -71,8 +71,8 @@ class GyroSearch {
   std::size_t next_ = 0;         // of the candidates
   int level_ = order_level + 1;  // the first one in coarse cells; at the last one, orders of rows
   std::size_t new_halves_ = 0;   // since the last search began
-  Priors named_;                 // by this search
-  std::optional<Priors> found_, other_;
+  Priors estimate_;              // by this search
+  std::optional<Priors> found_, rival_;
   FoundRows rows_;
 };
 

@@ -30,7 +30,7 @@ void HeadingFilter::predict(double turned_deg, double step_s, double unseen_deg2
   const double step_deg = (turned_deg - state_[bias] * step_s) / state_[scale];
   state_[heading] += step_deg;
   const double by_bias = -step_s / state_[scale], by_scale = -step_deg / state_[scale];
-  Row moved;
+  Vector moved;
   for (std::size_t i = 0; i < size; ++i)
     moved[i] = covariance_[heading][i] + by_bias * covariance_[bias][i] + by_scale * covariance_[scale][i];
   const double own = moved[heading] + by_bias * moved[bias] + by_scale * moved[scale];
@@ -51,9 +51,9 @@ double HeadingFilter::spread_deg(const ExposedTurn& turn) const {
   return std::sqrt(std::max(0.0, variance)) / std::abs(state_[scale]);
 }
 
-HeadingFilter::Row HeadingFilter::derivative(const ExposedTurn& turn, double now_s, double now_deg,
-                                             const std::array<double, nodes>& about) const {
-  Row row{};
+HeadingFilter::Vector HeadingFilter::jacobian(const ExposedTurn& turn, double now_s, double now_deg,
+                                              const std::array<double, nodes>& about) const {
+  Vector row{};
   const double since_s = now_s - turn.mean_s;
   row[heading] = 1.0;
   row[bias] = since_s / state_[scale];
@@ -63,28 +63,28 @@ HeadingFilter::Row HeadingFilter::derivative(const ExposedTurn& turn, double now
   return row;
 }
 
-double HeadingFilter::variance(const Row& row) const {
+double HeadingFilter::variance(const Vector& jacobian) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < size; ++i)
-    for (std::size_t j = 0; j < size; ++j) sum += row[i] * covariance_[i][j] * row[j];
+    for (std::size_t j = 0; j < size; ++j) sum += jacobian[i] * covariance_[i][j] * jacobian[j];
   return std::max(0.0, sum);
 }
 
-/// The covariance of what the row is a derivative of with all that is in the state.
-HeadingFilter::Row HeadingFilter::across(const Row& row) const {
-  Row across{};
+/// P H^T: the covariance of what was measured with each part of the state.
+HeadingFilter::Vector HeadingFilter::cross_covariance(const Vector& jacobian) const {
+  Vector cross{};
   for (std::size_t i = 0; i < size; ++i)
-    for (std::size_t j = 0; j < size; ++j) across[i] += covariance_[i][j] * row[j];
-  return across;
+    for (std::size_t j = 0; j < size; ++j) cross[i] += covariance_[i][j] * jacobian[j];
+  return cross;
 }
 
-void HeadingFilter::update(const Row& row, double innovation, double noise) {
-  const Row across = this->across(row);
+void HeadingFilter::update(const Vector& jacobian, double innovation, double noise) {
+  const Vector cross = cross_covariance(jacobian);
   double total = noise;
-  for (std::size_t i = 0; i < size; ++i) total += row[i] * across[i];
+  for (std::size_t i = 0; i < size; ++i) total += jacobian[i] * cross[i];
   for (std::size_t i = 0; i < size; ++i) {
-    state_[i] += across[i] / total * innovation;
-    for (std::size_t j = 0; j < size; ++j) covariance_[i][j] -= across[i] * across[j] / total;
+    state_[i] += cross[i] / total * innovation;
+    for (std::size_t j = 0; j < size; ++j) covariance_[i][j] -= cross[i] * cross[j] / total;
   }
   for (std::size_t i = 0; i < size; ++i)
     if (i < first_node) covariance_[i][i] = std::max(covariance_[i][i], least_state_variance);
@@ -96,16 +96,16 @@ void HeadingFilter::add_shares(double azimuth_deg, double weight, std::array<dou
   shares[at.right] += weight * at.part;
 }
 
-void HeadingFilter::rewrite(const std::array<double, nodes>& shares, const Row& shown) {
+void HeadingFilter::rewrite(const std::array<double, nodes>& shares, const Vector& shown) {
   for (std::size_t node = 0; node < nodes; ++node) {
     const double share = shares[node];
     if (share <= 0.0) continue;
     const std::size_t at = first_node + node;
-    const Row across = this->across(shown);
-    Row mixed;
+    const Vector cross = cross_covariance(shown);
+    Vector mixed;
     double of_shown = 0.0;
     for (std::size_t i = 0; i < size; ++i) {
-      mixed[i] = (1.0 - share) * covariance_[at][i] + share * across[i];
+      mixed[i] = (1.0 - share) * covariance_[at][i] + share * cross[i];
       of_shown += shown[i] * mixed[i];
     }
     mixed[at] = (1.0 - share) * mixed[at] + share * of_shown;
@@ -113,7 +113,7 @@ void HeadingFilter::rewrite(const std::array<double, nodes>& shares, const Row& 
   }
 }
 
-void HeadingFilter::begin_nodes(double low_deg, double high_deg, const Row& shown) {
+void HeadingFilter::begin_nodes(double low_deg, double high_deg, const Vector& shown) {
   constexpr auto all = static_cast<long>(nodes);
   const auto last = static_cast<long>(std::ceil(high_deg / node_deg));
   for (auto node = static_cast<long>(std::floor(low_deg / node_deg)); node <= last; ++node) {
@@ -136,9 +136,9 @@ void HeadingFilter::begin_nodes(double low_deg, double high_deg, const Row& show
 /// What is seen there first is put where the exposure is thought to look: it is off by as much. That is not
 /// what the heading is off: latency moves all halves of one speed alike, and none of them shows it. And it
 /// is off by itself, by the noise of the few halves that have drawn it.
-void HeadingFilter::begin_node(std::size_t at, const Row& shown) {
-  const Row across = this->across(shown);
-  for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = across[i];
+void HeadingFilter::begin_node(std::size_t at, const Vector& shown) {
+  const Vector cross = cross_covariance(shown);
+  for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = cross[i];
   covariance_[at][at] = variance(shown) + square(priors_.map_sigma_deg);
 }
 
@@ -178,7 +178,7 @@ void HeadingFilter::load(const Map& map) {
   }
 }
 
-void HeadingFilter::find_heading(const Row& exposed, double off_deg, double sigma_deg) {
+void HeadingFilter::find_heading(const Vector& exposed, double off_deg, double sigma_deg) {
   for (std::size_t i = 0; i < size; ++i) covariance_[heading][i] = covariance_[i][heading] = 0.0;
   covariance_[heading][heading] = square(0.5 * whole_turn_deg);
   state_[heading] += off_deg;

@@ -8,16 +8,16 @@
 
 namespace thermorig::odometer {
 
-/// Innovations of late, squared: a running mean of what they are of what was expected, about 1. One counts
-/// with `most` at most.
+/// Mean normalised innovation squared (NIS) of late, a running mean: 1 where the filter knows how sure it is.
+/// One half-frame counts with `most` at most.
 inline constexpr double most_nis = 60.0;
 inline void learn_nis(const HalfResult& result, double& mean, double most = most_nis) {
   constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
-  if (result.is_judged) mean += nis_share * (std::min(most, result.squared) - mean);
+  if (result.is_judged) mean += nis_share * (std::min(most, result.nis) - mean);
 }
 inline constexpr double lost_nis = 8.0;  // then the heading is lost
 
-/// Of the mean square of innovations, of which one counts with `most` at most.
+/// What a mean NIS says. One half-frame counts with `most` at most.
 struct NisBounds {
   double settled, fits, unfit, lost;  // not trusted from `unfit` on until it `fits`
   double most;
@@ -38,9 +38,9 @@ class InnovationCount {
     const bool is_far = std::abs(result.innovation_deg) > far_deg;
     ++judged_;
     if (is_far) ++far_;
-    if (result.squared <= large_squares) return;
+    if (result.nis <= large_squares) return;
     ++large_;
-    if (result.squared > huge_squares) ++huge_;
+    if (result.nis > huge_squares) ++huge_;
     if (is_far) ++large_and_far_;
     if (result.innovation_deg > 0.0) ++positive_;
     if (result.innovation_deg * result.rate_dps > 0.0) ++with_turn_;
@@ -70,16 +70,12 @@ class InnovationCount {
   }
 
  private:
-  static constexpr double far_deg = 4.0;  // the map shows something else there
-  // False maps have 40 to 70 %, sound ones 3 to 15, up to 23 in slow starts.
-  static constexpr double most_far = 0.25;
+  static constexpr double far_deg = 4.0;    // the map shows something else there
+  static constexpr double most_far = 0.25;  // share of the judged ones: false maps have far more
   static constexpr double large_squares = 4.0, huge_squares = 16.0;  // in units of what was expected
   static constexpr int fewest = 60;
-  // With a person 10 to 32 % are large, and of these 40 to 70 % huge; without, 20 to 32 % are.
-  static constexpr double most_large = 0.35, least_huge = 0.38;
-  // Of the judged ones, and of the large ones. Of 18 test rooms that someone walked into, five are tracked
-  // for longer with it, by 2 to 21 % of the time; of 38 recoveries in rooms of the stresses none is taken for
-  // one.
+  static constexpr double most_large = 0.35, least_huge = 0.38;  // shares: of the judged, of the large ones
+  // The same after the start: of the judged ones, and of the large ones.
   static constexpr double least_large = 0.05, least_huge_later = 0.25, least_far_later = 0.15;
   static constexpr double most_to_one_side = 0.7;
 
@@ -103,7 +99,7 @@ class MeanInnovation {
   }
   void add(const HalfResult& result) {
     mean_rate_dps_ += share * (result.rate_dps - mean_rate_dps_);
-    mean_ += share * (std::copysign(std::sqrt(result.squared), result.innovation_deg) - mean_);
+    mean_ += share * (std::copysign(std::sqrt(result.nis), result.innovation_deg) - mean_);
   }
   /// Something was done about it.
   void forget() { mean_ = 0.0; }

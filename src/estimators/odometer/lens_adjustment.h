@@ -19,7 +19,7 @@ using LensValues = std::array<double, lens_values>;
 
 CameraProfile camera_with(CameraProfile camera, const LensValues& values);
 
-/// A chess half, where it is thought to look, and how fast the rig turned.
+/// A half-frame, where it is thought to look, and how fast the rig turned.
 struct SweptHalf {
   const HalfFrame* half = nullptr;
   double heading_deg = 0.0;
@@ -57,7 +57,7 @@ class LensAdjustment {
   struct Cell {
     float temp_c = 0.0F, slope = 0.0F, row_slope = 0.0F, weight = 0.0F;  // K a deg, K a row
   };
-  struct Directions {  // of the pixels of one chess half
+  struct Directions {  // of the pixels of one half-frame
     HalfPixels azimuth_deg{}, map_row{};
     std::array<HalfPixels, lens_values> azimuth_by{}, map_row_by{};  // change with a value of the lens
   };

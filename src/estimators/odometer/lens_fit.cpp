@@ -12,7 +12,6 @@
 #include "lens_adjustment.h"
 #include "thermorig/core/surroundings/half_frame.h"
 #include "thermorig/core/surroundings/turn_path.h"
-#include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
 namespace thermorig::odometer {
@@ -26,8 +25,7 @@ constexpr double fewest_at_first = 0.3;     // share of the halves, with the nom
 constexpr double enough_share = 0.9;        // another round would find no more
 constexpr int most_rounds_of_passes = 4;
 constexpr double lost_half = 2.0;  // of the least mean square
-// And with the lens that was found: the others saw a bare wall or somebody. Of 72 typical rigs three have
-// 0.52 to 0.56, and their pitch is as good as stated. Fewer were not seen.
+// And with the lens that was found: the others saw a bare wall or somebody.
 constexpr double fewest_share = 0.5;
 constexpr std::size_t learning_halves = 40;  // the map is being begun
 constexpr double least_turned_deg = 120.0;
@@ -92,7 +90,7 @@ Sweep sweep_of(std::span<const TimedFrame> frames, std::span<const TimedGyro> gy
 Pass pass_with(const Sweep& sweep, const CameraProfile& camera, const Priors& begun_with) {
   const auto lens = std::make_shared<const Lens>(camera);
   Tracker tracker(begun_with, lens);
-  // As where people walk: what fits badly, by a lens that is another one, tells less and is followed less.
+  // As where people walk: what fits badly, by a lens that is another one, counts less and is followed less.
   tracker.restart(begun_with, lens->rows(), true);
   Pass pass;
   double squares_k2 = 0.0, judged = 0.0, before_s = 0.0, before_deg = 0.0;

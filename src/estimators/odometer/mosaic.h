@@ -43,8 +43,8 @@ class HalfStore {
   std::size_t count_ = 0;
 };
 
-/// What halves are laid beside each other with.
-struct Laying {
+/// What may be true of gyro and camera: half-frames are laid side by side with it.
+struct Hypothesis {
   double bias_dps = 0.0, scale = 1.0, latency_s = 0.0;  // the gyro's, and the camera's against it
   RowOrder order = RowOrder::at_once;
 };
@@ -63,25 +63,25 @@ class Mosaic {
 
   /// Of normal readings with an unknown variance in cells so many pixels wide, by the middle band or by all.
   /// It is to be trusted far less: halves are blurred, and what moves is in several.
-  double log_likelihood(const Laying& laying, double cell_pixels);
-  double log_likelihood_of_bands(const Laying& laying, double cell_pixels);
+  double log_likelihood(const Hypothesis& hypothesis, double cell_pixels);
+  double log_likelihood_of_bands(const Hypothesis& hypothesis, double cell_pixels);
 
   std::size_t halves() const { return placed_.size(); }
-  /// What log_likelihood() costs: looks at a cell.
-  std::size_t work() const { return placed_.size() * looks; }
+  /// What log_likelihood() costs: pairs at a cell.
+  std::size_t work() const { return placed_.size() * pairs; }
   double spanned_s() const;      // at least 1
   double turned_deg() const;     // between the outermost halves, by the gyro as it reads
   double mean_read_dps() const;  // from the first half to the last
   double period_s() const { return placed_.back().period_s; }  // of refresh
 
  private:
-  // A look: two columns of a chess half, which have both classes of rows.
-  static constexpr std::size_t looks = frame_columns / 2, band_rows = half_rows / bands;
-  using Look = std::array<float, band_rows>;
+  // A look: two columns of a half-frame, which have both classes of rows.
+  static constexpr std::size_t pairs = frame_columns / 2, band_rows = half_rows / bands;
+  using Pair = std::array<float, band_rows>;
 
   struct Band {
-    std::array<Look, looks> temp_c{};  // without what all have in common; 0 where there is no reading
-    std::array<float, looks> is_read{};
+    std::array<Pair, pairs> temp_c{};  // without what all have in common; 0 where there is no reading
+    std::array<float, pairs> is_read{};
   };
   struct Placed {
     std::array<Band, bands> of{};
@@ -89,7 +89,7 @@ class Mosaic {
     double period_s = 0.0, mean_s = 0.0, mean_deg = 0.0, read_dps = 0.0;
   };
   struct Cell {
-    Look sum{};
+    Pair sum{};
     float count = 0.0F;
   };
   struct Squares {
@@ -100,12 +100,12 @@ class Mosaic {
 
   void place(const HalfFrame& half, const TurnPath& path);
   void clip(Band& band);
-  void take_off_errors_of_looks(std::size_t band);
+  void take_off_errors_of_pairs(std::size_t band);
   double band_delay_periods(RowOrder order, std::size_t band) const;
-  void add_within_cells(const Laying& laying, std::size_t band, double cell_pixels, Squares& within);
+  void add_within_cells(const Hypothesis& hypothesis, std::size_t band, double cell_pixels, Squares& within);
 
   SharedLens lens_;
-  std::array<float, looks> bearing_turns_{};  // of each look
+  std::array<float, pairs> bearing_turns_{};  // of each look
   std::vector<Placed> placed_;
   std::vector<float> read_c_;       // of one band
   std::array<Squares, bands> all_;  // of all that was placed

@@ -14,7 +14,6 @@
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/gyro_delay.h"
 #include "thermorig/core/surroundings/turn_path.h"
-#include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
 namespace thermorig::odometer {
@@ -27,7 +26,7 @@ constexpr double longest_unfit_s = 30.0;  // then the map is wrong, unless pixel
 constexpr double most_misfit = 1.5;       // 1.1 where times alone jump, 3.4 where walls have changed
 constexpr int covered_halves = 4;         // in a row
 constexpr double doubted_sigmas = 2.0;    // a heading that is off what the gyro says by more is doubted
-constexpr double sound_s = 5.0;           // everything fits for so long: then a heading is sound
+constexpr double good_after_s = 5.0;      // everything fits for so long: then a heading is good
 constexpr double stepped_bias_dps = 0.3, doubtful_latency = 0.1;  // a share of what nobody expects
 constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
 constexpr double longest_by_gyro_s = 3.0;  // a start that ended later has yet to prove its heading
@@ -36,11 +35,9 @@ constexpr double give_up_s = 40.0;         // of a search, while the rig turns: 
 // Until a map of before has shown it: three seconds may name a bias that is far off, and a camera may be
 // later than any data sheet says.
 constexpr double bias_sigma_in_map_dps = 6.0, latency_sigma_in_map_s = 0.03;
-constexpr int most_counted = 480;  // halves: a minute
-// Of these: then the surroundings are others. With persons, wrong times and in the world `typical` up to
-// 0.05 show another view; where all do, it takes 55 s.
-constexpr double most_other_views = 0.6;
-constexpr double usual_other_views = 0.1;                      // above it the surroundings may be others
+constexpr int most_counted = 480;          // halves: a minute
+constexpr double most_other_views = 0.6;   // share of them: then the surroundings are others
+constexpr double usual_other_views = 0.1;  // above it the surroundings may be others
 const double anywhere_deg = whole_turn_deg / std::sqrt(12.0);  // one standard deviation of any direction
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
@@ -73,6 +70,8 @@ struct Odometer::Parts {
         front(priors, lens),
         start(priors, lens, !camera.link.latency_measured_utc.empty(), front, path) {}
 
+  /// `starting`: Start makes a map; `running`: half-frames are registered against it; `locating`: the heading
+  /// is lost, and searched for on the whole circle.
   enum class Phase : std::uint8_t { starting, running, locating };
 
   Report add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
@@ -94,7 +93,7 @@ struct Odometer::Parts {
   void begin_in_map(double now_s);
   void check_map(const HalfResult& result, double now_s);
   void prove_map();
-  void keep_sound_heading(const HalfResult& result, double now_s);
+  void keep_good_heading(const HalfResult& result, double now_s);
   std::optional<CircleSearch::Found> by_gyro() const;
   bool does_gyro_differ() const;
   bool is_map_given_up(const HalfFrame& half);
@@ -124,11 +123,11 @@ struct Odometer::Parts {
   Priors sought_with = priors;  // in the map of before
   Map::Lens map_lens;
   FoundRows rows;     // by the last start that ended
-  double lens_share;  // one standard deviation: of all angles that nothing but the lens tells
+  double lens_share;  // one standard deviation: of all angles that rest on the lens alone
   SharedLens lens;
   TurnPath path;
   RepeatedReading repeated;
-  Tracker front;  // the one that is told of
+  Tracker front;  // its estimate is reported
   Start start;
   CircleSearch circle;
 
@@ -138,9 +137,9 @@ struct Odometer::Parts {
   double last_gyro_s = 0.0, last_half_s = 0.0;
   Phase phase = Phase::starting;
   double locating_since_s = 0.0;
-  double origin_sigma_deg = 0.0;                  // of where the map begins, against the first one
-  std::optional<GyroHeading> sound;               // none: the gyro was away since, or there was no map yet
-  double sound_since_s = 0.0, last_used_s = 0.0;  // by half
+  double origin_sigma_deg = 0.0;                 // of where the map begins, against the first one
+  std::optional<GyroHeading> last_good;          // none: the gyro was away since, or there was no map yet
+  double good_since_s = 0.0, last_used_s = 0.0;  // by half
   double mean_nis = 1.0;
   int covered = 0;  // halves in a row
   double other_views =
@@ -258,8 +257,8 @@ void Odometer::Parts::start_anywhere(const HalfFrame& half, double now_s) {
         trust.begin(front.rate_dps());
       else
         trust.begin_unproven(front.rate_dps(), false);
-      sound_since_s = now_s;
-      sound = heading_of_front();
+      good_since_s = now_s;
+      last_good = heading_of_front();
       mean_innovation.begin(front.rate_dps());
       innovations = InnovationCount();
       break;
@@ -337,7 +336,7 @@ void Odometer::Parts::run(const HalfFrame& half) {
     unfit_since_s.reset();
     watch_for_traffic();
   }
-  keep_sound_heading(result, half.end_s);
+  keep_good_heading(result, half.end_s);
   const bool is_unfit = unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s;
   if ((is_unfit && !is_map_right()) || other_views > most_other_views) {
     begin_anew();
@@ -358,7 +357,7 @@ void Odometer::Parts::watch_for_cover(const HalfResult& result, bool is_on_trial
     trust.begin_unproven(front.rate_dps(), does_gyro_differ());
 }
 
-/// It was there since a heading was sound, and has the rig elsewhere.
+/// It was there since a heading was good, and has the rig elsewhere.
 bool Odometer::Parts::does_gyro_differ() const {
   const auto expected = by_gyro();
   return expected && std::abs(expected->sigmas_to(front.filter().heading_deg())) > doubted_sigmas;
@@ -366,20 +365,19 @@ bool Odometer::Parts::does_gyro_differ() const {
 
 /// What a search found must first prove itself, at more than one speed; and what the gyro alone has carried
 /// past images that say nothing, past a covered lens say, is no sounder than it was before them.
-void Odometer::Parts::keep_sound_heading(const HalfResult& result, double now_s) {
+void Odometer::Parts::keep_good_heading(const HalfResult& result, double now_s) {
   if (!result.is_used) return;
   const bool was_alone = now_s - last_used_s > longest_camera_gap_s;
   last_used_s = now_s;
-  if (was_alone || !trust.is_trusted() || unfit_since_s || mean_nis > nis_bounds().fits)
-    sound_since_s = now_s;
-  if (now_s - sound_since_s > sound_s && trust.has_changed_speed()) sound = heading_of_front();
+  if (was_alone || !trust.is_trusted() || unfit_since_s || mean_nis > nis_bounds().fits) good_since_s = now_s;
+  if (now_s - good_since_s > good_after_s && trust.has_changed_speed()) last_good = heading_of_front();
 }
 
-/// The heading, if the gyro was there since one was sound.
+/// The heading, if the gyro was there since one was good.
 std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
-  if (!sound) return std::nullopt;
+  if (!last_good) return std::nullopt;
   const TurnPath::Knot now = path.until(front.now_s());
-  return CircleSearch::Found{sound->deg(now), sound->sigma_deg(now)};
+  return CircleSearch::Found{last_good->deg(now), last_good->sigma_deg(now)};
 }
 
 void Odometer::Parts::count_innovation(const HalfResult& result) {
@@ -398,7 +396,7 @@ void Odometer::Parts::watch_for_traffic() {
 /// Halves have not been where they were expected for long, and yet their pixels fit the map, and the gyro has
 /// the rig where most of them have it: their times jump, say, and another map would fit no better.
 bool Odometer::Parts::is_map_right() const {
-  return sound && !does_gyro_differ() && mean_misfit < most_misfit && !innovations.is_false_map();
+  return last_good && !does_gyro_differ() && mean_misfit < most_misfit && !innovations.is_false_map();
 }
 
 /// Innovations to one side: the bias is another, or, if all had fitted at another speed, an odd latency.
@@ -413,12 +411,12 @@ void Odometer::Parts::follow_mean_innovation(const HalfResult& result, double no
     trust.doubt_one_sided();
   else
     front.widen(stepped_bias_dps, is_late ? doubtful_latency * odd_latency_s : 0.0);
-  sound_since_s = now_s;
+  good_since_s = now_s;
   mean_innovation.forget();
 }
 
 void Odometer::Parts::begin_search(double now_s) {
-  if (gyro_was_away) sound.reset();
+  if (gyro_was_away) last_good.reset();
   gyro_was_away = false;
   circle.begin();
   locating_since_s = now_s;
@@ -437,7 +435,7 @@ void Odometer::Parts::locate(const HalfFrame& half, double now_s) {
     mean_innovation.begin(front.rate_dps());
     unfit_since_s.reset();
     phase = Phase::running;
-    if (!sound || gyro_differs)
+    if (!last_good || gyro_differs)
       innovations = InnovationCount();
     else
       watch_for_traffic();
@@ -449,7 +447,7 @@ void Odometer::Parts::locate(const HalfFrame& half, double now_s) {
 void Odometer::Parts::forget_clock() {
   begin_anew();
   start.forget();
-  sound.reset();
+  last_good.reset();
   origin_sigma_deg = 0.0;
   path.clear();
   repeated = RepeatedReading();
@@ -461,18 +459,18 @@ void Odometer::Parts::begin_anew() {
   const bool is_in_doubt = map_use == MapUse::searching;
   if (is_in_doubt || map_use == MapUse::found) map_use = MapUse::other;
   if (is_in_doubt)
-    sound.reset();
-  else if (phase != Phase::starting && !sound)
-    sound = heading_of_front();
+    last_good.reset();
+  else if (phase != Phase::starting && !last_good)
+    last_good = heading_of_front();
   if (const auto expected = by_gyro()) {
     const MapDegree degree = map_degree(known_of_gyro());
     const double begun_deg = front.filter().begun_deg();
     origin_sigma_deg = std::hypot(origin_sigma_deg, degree.sigma * (expected->azimuth_deg - begun_deg));
-    sound = sound->stretched(degree.length, begun_deg);
+    last_good = last_good->stretched(degree.length, begun_deg);
   } else {
     origin_sigma_deg = 0.0;  // the heading has another origin from here on
   }
-  start.begin(sound);
+  start.begin(last_good);
   mean_nis = mean_misfit = 1.0;
   covered = 0;
   other_views = 0.0;
@@ -505,8 +503,8 @@ Priors Odometer::Parts::known_of_gyro() const {
   return known;
 }
 
-/// Until a map has closed nothing tells how long its degrees are but the lens, which may be off, and the
-/// gyro's scale was learnt in the same degrees: what the profile says of the one stands against what it says
+/// Until a map has closed its degrees are as long as the lens makes them, which may be off, and the
+/// gyro's scale was learnt in the same degrees: what the profile says of the one is weighed against what it says
 /// of the other.
 Odometer::Parts::MapDegree Odometer::Parts::map_degree(const Priors& gyro) const {
   if (!front.has_gap() || !(lens_share > 0.0)) return {};
@@ -551,10 +549,10 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
                  std::hypot(gyro.scale_sigma, degree.sigma) * report.rate_dps,
                  gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
   if (!has_heading()) return report;
-  // No image tells how late the gyro is: what it says of now, it says of then.
+  // No image shows how late the gyro is: what it says of now, it says of then.
   report.heading_sigma_deg = std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps,
                                         std::hypot(origin_sigma_deg, degree.sigma * since_begun_deg));
-  // Halves that do not fit may drag the heading: then it is no surer than the gyro is, from a sound one on.
+  // Halves that do not fit may drag the heading: then it is no surer than the gyro is, from a good one on.
   const bool is_doubted =
       report.reason == EstimateReason::view_differs || report.state == EstimateState::relocalising;
   const auto expected = is_doubted ? by_gyro() : std::nullopt;

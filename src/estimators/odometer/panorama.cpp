@@ -10,9 +10,9 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr std::size_t map_values = Panorama::bins * frame_rows;
-constexpr float seen_enough = 0.98F;      // of what a pixel sweeps
-constexpr float strange_squares = 16.0F;  // of a reading, in units of its variance: it may be what moves
-constexpr float widening = 0.5F, most_widened = 4.0F;  // of a bin's variance, a strange reading; K^2
+constexpr float seen_enough = 0.98F;  // of what a pixel sweeps
+constexpr float outlier_nis = 16.0F;  // of a reading, in units of its variance: it may be what moves
+constexpr float widening = 0.5F, most_widened = 4.0F;  // of a bin's variance, an outlier; K^2
 constexpr float least_bin_variance = 1e-3F;            // of a bin: surroundings change
 
 /// From what comes into a mean less what goes out of it, moved by `reach` to both sides, to its slope.
@@ -164,7 +164,8 @@ void Panorama::find_slopes(const SweepEnds& at, std::size_t first, float scale, 
 }
 
 template <std::size_t pixels>
-void Panorama::look_at_mean(const Ray& ray, const SweepEnds& at, std::ptrdiff_t reach, Look& look) const {
+void Panorama::predict_mean(const Ray& ray, const SweepEnds& at, std::ptrdiff_t reach,
+                            Predicted& predicted) const {
   const auto width = static_cast<float>(2.0 * ray.half_width);
   const auto wide = static_cast<float>(2.0 * (ray.half_width + static_cast<double>(reach)));
   const std::size_t first = index(0, ray.row_class) + ray.k;
@@ -174,18 +175,19 @@ void Panorama::look_at_mean(const Ray& ray, const SweepEnds& at, std::ptrdiff_t 
   sum_between(seen_sum_, at.before_low, at.after_high, first, seen);
   const float share = 1.0F / width;  // one pixel waits for a division longer than for all else here
   for (std::size_t i = 0; i < pixels; ++i) {
-    look.temp_c[ray.k + i] = pixels == 1 ? share * temp_c[i] : temp_c[i] / width;
-    look.variance[ray.k + i] = pixels == 1 ? share * share * variance[i] : variance[i] / (width * width);
-    look.known[ray.k + i] = seen[i] >= seen_enough * wide ? 1.0F : 0.0F;
+    predicted.temp_c[ray.k + i] = pixels == 1 ? share * temp_c[i] : temp_c[i] / width;
+    predicted.variance[ray.k + i] = pixels == 1 ? share * share * variance[i] : variance[i] / (width * width);
+    predicted.known[ray.k + i] = seen[i] >= seen_enough * wide ? 1.0F : 0.0F;
   }
 }
 
 template <std::size_t pixels>
-void Panorama::look_of(const Ray& ray, std::ptrdiff_t reach, bool smooth, Look& look) const {
+void Panorama::predict_of(const Ray& ray, std::ptrdiff_t reach, bool smooth, Predicted& predicted) const {
   const SweepEnds at(ray, reach);
-  look_at_mean<pixels>(ray, at, reach, look);
+  predict_mean<pixels>(ray, at, reach, predicted);
   const float scale = slope_scale(ray, reach);
-  float *const slope = &look.of_azimuth.slope[ray.k], *const variance = &look.of_azimuth.variance[ray.k];
+  float *const slope = &predicted.of_azimuth.slope[ray.k], *const variance =
+                                                               &predicted.of_azimuth.variance[ray.k];
   find_slopes<pixels>(at, index(0, ray.row_class) + ray.k, scale, slope, variance);
   if (!smooth) return;
   constexpr std::size_t around = std::min(pixels + 1, half_rows);  // of the other class
@@ -202,7 +204,7 @@ void Panorama::look_of(const Ray& ray, std::ptrdiff_t reach, bool smooth, Look& 
 }
 
 template <std::size_t pixels>
-void Panorama::look_of(const Ray& ray, Column& temp_c, Column& known) const {
+void Panorama::predict_of(const Ray& ray, Column& temp_c, Column& known) const {
   const SweepEnds at(ray, 0);
   const auto width = static_cast<float>(2.0 * ray.half_width);
   const std::size_t first = index(0, ray.row_class) + ray.k;
@@ -263,7 +265,7 @@ void Panorama::write_of(const Ray& ray, const Column& temp_c, const Column& vari
     scale[k] = is_read ? 1.0F / (spread[k] + variance[k]) : 0.0F;
     widened[k] = 1.0F;
     const float squares = innovation[k] * innovation[k] * scale[k];
-    if (!things_move_ || squares <= strange_squares) continue;
+    if (!things_move_ || squares <= outlier_nis) continue;
     const float trust = 1.0F / ((1.0F + squares / 9.0F) * (1.0F + squares / 9.0F));
     scale[k] = 1.0F / (spread[k] + variance[k] / trust);
     widened[k] += widening * (1.0F - trust);  // what stays is believed after some halves
@@ -280,17 +282,19 @@ void Panorama::write_of(const Ray& ray, const Column& temp_c, const Column& vari
   }
 }
 
-void Panorama::look(const Ray& ray, std::ptrdiff_t reach, bool smooth, Look& look) const {
-  ray.is_of_one ? look_of<1>(ray, reach, smooth, look) : look_of<half_rows>(ray, reach, smooth, look);
+void Panorama::predict(const Ray& ray, std::ptrdiff_t reach, bool smooth, Predicted& predicted) const {
+  ray.is_of_one ? predict_of<1>(ray, reach, smooth, predicted)
+                : predict_of<half_rows>(ray, reach, smooth, predicted);
 }
 
-void Panorama::look_at_mean(const Ray& ray, std::ptrdiff_t reach, Look& look) const {
+void Panorama::predict_mean(const Ray& ray, std::ptrdiff_t reach, Predicted& predicted) const {
   const SweepEnds at(ray, reach);
-  ray.is_of_one ? look_at_mean<1>(ray, at, reach, look) : look_at_mean<half_rows>(ray, at, reach, look);
+  ray.is_of_one ? predict_mean<1>(ray, at, reach, predicted)
+                : predict_mean<half_rows>(ray, at, reach, predicted);
 }
 
-void Panorama::look(const Ray& ray, Column& temp_c, Column& known) const {
-  ray.is_of_one ? look_of<1>(ray, temp_c, known) : look_of<half_rows>(ray, temp_c, known);
+void Panorama::predict(const Ray& ray, Column& temp_c, Column& known) const {
+  ray.is_of_one ? predict_of<1>(ray, temp_c, known) : predict_of<half_rows>(ray, temp_c, known);
 }
 
 void Panorama::seed(const Ray& ray, const Guess& guess) {

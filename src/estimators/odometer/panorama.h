@@ -50,7 +50,7 @@ class Panorama {
   struct Slopes {
     Column slope, variance;  // by azimuth, K a deg
   };
-  struct Look {
+  struct Predicted {
     Column temp_c;
     Column variance;  // of that mean
     Slopes of_azimuth;
@@ -58,11 +58,11 @@ class Panorama {
   };
   /// Of the ray's pixels; the rest of `look` stays as it is. `reach`: bins to either side over which a slope
   /// is taken; `smooth`: over three rows.
-  void look(const Ray& ray, std::ptrdiff_t reach, bool smooth, Look& look) const;
+  void predict(const Ray& ray, std::ptrdiff_t reach, bool smooth, Predicted& predicted) const;
   /// All of it but the slopes.
-  void look_at_mean(const Ray& ray, std::ptrdiff_t reach, Look& look) const;
+  void predict_mean(const Ray& ray, std::ptrdiff_t reach, Predicted& predicted) const;
   /// The mean, and whether it is known, alone.
-  void look(const Ray& ray, Column& temp_c, Column& known) const;
+  void predict(const Ray& ray, Column& temp_c, Column& known) const;
 
   /// What one column lets expect of the bins around its middle.
   struct Guess {
@@ -96,11 +96,11 @@ class Panorama {
   using Pixels = std::array<float, pixels>;
   struct SweepEnds;
   template <std::size_t pixels>
-  void look_at_mean(const Ray& ray, const SweepEnds& at, std::ptrdiff_t reach, Look& look) const;
+  void predict_mean(const Ray& ray, const SweepEnds& at, std::ptrdiff_t reach, Predicted& predicted) const;
   template <std::size_t pixels>
-  void look_of(const Ray& ray, std::ptrdiff_t reach, bool smooth, Look& look) const;
+  void predict_of(const Ray& ray, std::ptrdiff_t reach, bool smooth, Predicted& predicted) const;
   template <std::size_t pixels>
-  void look_of(const Ray& ray, Column& temp_c, Column& known) const;
+  void predict_of(const Ray& ray, Column& temp_c, Column& known) const;
   template <std::size_t pixels>
   void find_slopes(const SweepEnds& at, std::size_t first, float scale, float* slope, float* variance) const;
   template <std::size_t pixels>

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::odometer {
 
@@ -86,9 +89,8 @@ void PixelModel::hear_noise(const HalfPixels& residual, const HalfPixels& map_va
     if (!std::isnan(residual[i]))
       squares[compared++] = residual[i] * residual[i] - normal_median * map_variance[i];
   if (compared < half_pixels / 4) return;
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(compared / 2);
-  std::nth_element(squares.begin(), middle, squares.begin() + static_cast<std::ptrdiff_t>(compared));
-  const float heard = std::max(least_pixel_variance, *middle / normal_median);
+  const float middle = reordering_median(std::span(squares).first(compared));
+  const float heard = std::max(least_pixel_variance, middle / normal_median);
   heard_variance_ += common_share * (heard - heard_variance_);
 }
 

@@ -8,7 +8,7 @@
 
 namespace thermorig::odometer {
 
-/// What is peculiar to each pixel: its constant error and its noise, by chess half.
+/// What is peculiar to each pixel: its constant error and its noise, by half-frame.
 class PixelModel {
  public:
   /// A half without the pixels' errors; NaN where a pixel is stuck.
@@ -31,7 +31,7 @@ class PixelModel {
   void expect_noise(float variance_k2);
 
  private:
-  float common_variance_ = 0.36F;  // of a reading: a data sheet's 0.6 K until halves have told
+  float common_variance_ = 0.36F;  // of a reading: a data sheet's 0.6 K at first
   float heard_variance_ = 0.36F;   // the same, by hear_noise()
   std::array<HalfPixels, 2> offset_c_{}, variance_ = {uniform(0.36F), uniform(0.36F)}, squares_{}, count_{};
   std::array<HalfPixels, 2> last_c_{}, repeats_{};

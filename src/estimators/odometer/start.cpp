@@ -19,12 +19,9 @@ constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
 constexpr double known_scale = 0.0008;  // one standard deviation: 0.3 degrees a turn
 // After the first pass. One that still fits badly after some of them will not fit any more.
 constexpr int most_repeats = 6, hopeful_repeats = 3, repeats_to_tell = 2;
-// What a part of the map is taken to be off by itself. Without it a map is surer of itself than it is right:
-// of 96 rooms (77001 to 80001) the worst has a spread of 0.28 degrees instead of 0.16, and 86 % of its angles
-// within 2 sigma instead of 93.
+// What a part of the map is taken to be off by itself. Without it a map is surer of itself than it is right.
 constexpr double map_sigma_deg = 0.4;
-// Of a map. Of 48 rooms (77001 and 79001) starts end with 0.30 to 0.90.
-constexpr double doubtful_nis = 1.2;
+constexpr double doubtful_nis = 1.2;  // a start that ends with more must know the scale twice as well
 
 }  // namespace
 
@@ -142,7 +139,8 @@ void Start::forget_early_halves() {
 bool Start::is_due_to_begin() const {
   const auto& found = gyro_search_.found();
   if (!found || !searched_) return found.has_value();
-  return (names_scale(*found) && !names_scale(*searched_)) || gyro_search_.rows().order != front_.rows();
+  return (is_scale_known(*found) && !is_scale_known(*searched_)) ||
+         gyro_search_.rows().order != front_.rows();
 }
 
 /// Through all halves that are kept.
@@ -212,7 +210,7 @@ Start::Outcome Start::take_over(double now_s) {
     return Outcome::goes_on;
   }
   const double scale = front_.filter().scale_factor();
-  if (!is_plausible() && !is_scale_named() && !refused_scale_.is_confirmed(scale, store_.at(0).now_s)) {
+  if (!is_plausible() && !does_search_agree() && !refused_scale_.is_confirmed(scale, store_.at(0).now_s)) {
     refused_scale_.refuse(scale, now_s);
     return begin_anew();  // only other halves can confirm it
   }
@@ -223,7 +221,7 @@ Start::Outcome Start::take_over(double now_s) {
 
 /// Each repeat fits better, unless its map is a false one, or something moves before some halves.
 Start::Outcome Start::learn_again() {
-  const bool is_known = names_scale(*searched_);  // its gyro, from the first pass on
+  const bool is_known = is_scale_known(*searched_);  // its gyro, from the first pass on
   const bool is_hopeless = is_known && pass_ >= hopeful_repeats && mean_nis_ > bounds().unfit;
   const bool is_traffic = is_known && pass_ > 0 && shows_traffic();
   if (!is_hopeless && !is_traffic && pass_ < most_repeats &&
@@ -242,7 +240,7 @@ Start::Outcome Start::learn_again() {
 /// Otherwise the later half of the halves, if there are enough: false maps are often begun at a high speed,
 /// and the rig has turned slower since. Then those as where things move. Then new ones.
 Start::Outcome Start::fail() {
-  if (!names_scale(*searched_) && !has_halves_enough(store_.at(store_.count() - 1).now_s)) {
+  if (!is_scale_known(*searched_) && !has_halves_enough(store_.at(store_.count() - 1).now_s)) {
     phase_ = Phase::learning;
     return Outcome::goes_on;
   }
@@ -270,7 +268,7 @@ bool Start::shows_traffic() const {
 }
 
 /// By searches, which know nothing of the map, nor of how it closes; and learnt again from there.
-bool Start::is_scale_named() const {
+bool Start::does_search_agree() const {
   const auto& found = gyro_search_.found();
   return found && found->scale_sigma < same_scale &&
          std::abs(found->scale - front_.filter().scale_factor()) < same_scale;

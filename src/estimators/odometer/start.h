@@ -67,7 +67,8 @@ inline bool has_usual_latency(const HeadingFilter& learnt, const Priors& priors)
 /// Each half is a step of bounded work.
 class Start {
  public:
-  /// `front`: the tracker that is told of, and that tracks afterwards; `path`: the gyro's, up to each half.
+  /// `front`: the tracker whose estimate is reported, and that tracks afterwards; `path`: the gyro's, up to
+  /// each half.
   Start(const Priors& priors, const SharedLens& lens, bool latency_measured, Tracker& front,
         const TurnPath& path);
 
@@ -88,7 +89,7 @@ class Start {
 
   /// The front tracker has gone through all halves that came.
   bool has_caught_up() const { return phase_ == Phase::learning || phase_ == Phase::second_pass; }
-  /// For how long the gyro alone has told the heading, at the end of a start that outlasted the minute that
+  /// For how long the heading has been the gyro's alone, at the end of a start that outlasted the minute that
   /// it keeps.
   double by_gyro_s(double now_s) const {
     return phase_ == Phase::learning ? 0.0 : now_s - store_.at(store_.count() - 1).now_s;
@@ -99,7 +100,7 @@ class Start {
   bool things_move() const { return things_move_; }
   /// Halves after the start have shown it.
   void expect_traffic();
-  /// 0: the images have not told in which order rows are exposed.
+  /// 0: the order in which rows are exposed was not found.
   double row_margin() const { return gyro_search_.rows().margin; }
   double mean_nis() const { return mean_nis_; }
 
@@ -136,7 +137,7 @@ class Start {
   bool has_settled() const;
   bool knows_scale() const;
   bool is_plausible() const { return odometer::is_plausible(front_.filter(), priors_, things_move_); }
-  bool is_scale_named() const;
+  bool does_search_agree() const;
   bool shows_traffic() const;
   bool knows_rows() const { return lens_->knows_rows() || row_margin() > 0.0; }
 

@@ -10,23 +10,22 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr double variance_share = 1.44;  // halves see the same errors of the map again and again
-// While the map is made, they see the very errors with which those just before have written it. Without it
-// the gyro's scale is off by 3.9 times what is stated after a start, with it by 2.6 (48 rooms).
+// While the map is made, they see the very errors with which those just before have written it.
 constexpr double learning_share = 5.0;
 constexpr double least_sigma_deg = 0.03;
-constexpr double change_s = 0.01;      // a sweep that is not even is no box
-constexpr double surprising = 4.0;     // an innovation squared: counts less
-constexpr double impossible = 30.0;    // is not believed, and the map not written
-constexpr int first_halves = 4;        // are only written: a map of one chess half has gaps
-constexpr double flat_margin = 0.15;   // squares of a pixel
-constexpr double blank_squares = 2.0;  // covered lenses have 1.0, 1.4 at most (8 rooms)
+constexpr double change_s = 0.01;        // a sweep that is not even is no box
+constexpr double surprising_nis = 4.0;   // above it a half-frame counts less
+constexpr double impossible_nis = 30.0;  // above it it is an outlier: not used, and not written
+constexpr int first_halves = 4;          // are only written: a map of one half-frame has gaps
+constexpr double flat_margin = 0.15;     // squares of a pixel
+constexpr double blank_squares = 2.0;    // of a pixel: covered lenses show less
 constexpr int settled_halves = 30;
 constexpr double pass_widening = 6.0;  // of what the pass before learnt: these are the same halves
 constexpr double settled_deg = 0.4;
-constexpr int write_looks = 10;           // writing a half takes as long as so many looks
+constexpr int write_comparisons = 10;     // writing a half takes as long as so many looks
 constexpr int row_work = 2;               // row by row all takes so much longer
 const double box_width = std::sqrt(3.0);  // half of it, in standard deviations
-constexpr double moving_dps = 8.0;        // from there on errors of pixels are told from surroundings
+constexpr double moving_dps = 8.0;        // above it errors of pixels differ from surroundings
 
 }  // namespace
 
@@ -161,7 +160,7 @@ View Tracker::view_of(const HalfFrame& half, const Exposed& exposed) const {
           .rows = do_rows_look_apart() ? &exposed.rows : nullptr};
 }
 
-void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed, const HeadingFilter::Row& shown) {
+void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed, const HeadingFilter::Vector& shown) {
   double edge_deg = (0.5 * frame_columns + 1.0) * lens_->pitch_deg() + exposed.half_width_deg;
   if (do_rows_look_apart())
     edge_deg += std::max(std::abs(double{exposed.rows.shift_deg.front()}),
@@ -180,7 +179,7 @@ HalfResult Tracker::add(const HalfFrame& half, const TurnPath& path, bool is_tru
     if (!is_trusted || (result.is_judged && !result.is_used)) return result;
   }
   const double shown_deg = filter_.exposed_deg(exposed.turn, now_s_, now_deg_);
-  const HeadingFilter::Row shown = filter_.derivative(exposed.turn, now_s_, now_deg_);
+  const HeadingFilter::Vector shown = filter_.jacobian(exposed.turn, now_s_, now_deg_);
   begin_nodes(shown_deg, exposed, shown);
   in_map_deg_ = shown_deg - filter_.map_offset_deg(shown_deg);
   write(view_of(half, exposed), shown_deg, half_sigma_deg_, common_c_);
@@ -216,8 +215,8 @@ void Tracker::level(const HalfFrame& half, Exposed& exposed) const {
   for (std::size_t i = 0; i < half_pixels; ++i) exposed.temp_c[i] -= beside[i];
 }
 
-int Tracker::work_of(int looks) const {
-  return (looks + write_looks) * (do_rows_look_apart() ? row_work : 1);
+int Tracker::work_of(int comparisons) const {
+  return (comparisons + write_comparisons) * (do_rows_look_apart() ? row_work : 1);
 }
 
 /// Of the heading against the map, with the newest half; from here on it grows.
@@ -226,13 +225,13 @@ void Tracker::keep_sigma(double sigma_deg) {
   heading_deg2_ = square(filter_.sigma(HeadingFilter::heading));
 }
 
-/// Lays a half against the map, and tells the filter.
+/// Registers a half-frame against the map: the measurement update.
 HalfResult Tracker::judge(const HalfFrame& half, const Exposed& exposed) {
   const auto& [turn, temp_c, azimuth_deg, rate_dps, half_width_deg, rows] = exposed;
   HalfResult result{.rate_dps = rate_dps};
   std::array<double, HeadingFilter::nodes> ahead{};
   HeadingFilter::add_shares(azimuth_deg, 1.0, ahead);
-  const double prior_deg2 = filter_.variance(filter_.derivative(turn, now_s_, now_deg_, ahead));
+  const double prior_deg2 = filter_.variance(filter_.jacobian(turn, now_s_, now_deg_, ahead));
   keep_sigma(std::sqrt(prior_deg2));
   const Alignment alignment(panorama_, filter_, *lens_);
   View view = view_of(half, exposed);
@@ -241,29 +240,29 @@ HalfResult Tracker::judge(const HalfFrame& half, const Exposed& exposed) {
   const Alignment::Found found = alignment.find(view, azimuth_deg, std::sqrt(prior_deg2));
   const Alignment::Comparison& comparison = found.comparison;
   common_c_ = comparison.common_c;
-  result.work = work_of(found.looks);
+  result.work = work_of(found.comparisons);
   if (!found.is_found) return result;
   if (is_on_trial_) result.explained = alignment.explained(view, found.azimuth_deg);
-  const HeadingFilter::Row row = filter_.derivative(turn, now_s_, now_deg_, comparison.about);
+  const HeadingFilter::Vector row = filter_.jacobian(turn, now_s_, now_deg_, comparison.about);
   double noise_deg2 = variance_share * comparison.variance_deg2() + square(least_sigma_deg) +
                       square(change_s * turn.change_dps) + square(half.time_sigma_s * rate_dps);
-  if (things_move_) noise_deg2 *= std::max(1.0, comparison.cost);  // what fits badly tells less
+  if (things_move_) noise_deg2 *= std::max(1.0, comparison.cost);  // what fits badly counts less
   const double expected_deg2 = filter_.variance(row) + noise_deg2;
   result.is_judged = true;
   result.innovation_deg = found.azimuth_deg - azimuth_deg;
   result.sigma_deg = std::sqrt(expected_deg2);
-  result.squared = square(result.innovation_deg) / expected_deg2;
+  result.nis = square(result.innovation_deg) / expected_deg2;
   result.misfit = comparison.cost;
   result.left_k2 = comparison.squares_k2;
   result.is_flat = comparison.flat_cost + flat_margin < comparison.cost;
   result.is_other_view = result.is_flat && comparison.flat_cost > blank_squares;
-  result.is_used = result.squared <= impossible && !result.is_flat;
+  result.is_used = result.nis <= impossible_nis && !result.is_flat;
   if (!result.is_used) return result;
   if (is_open_ && has_gap()) rewritten_ = written_shares(comparison, *view.variance, azimuth_deg);
   if (is_learning_) noise_deg2 += (learning_share - variance_share) * comparison.variance_deg2();
-  if (result.squared > surprising) noise_deg2 += expected_deg2 * (result.squared / surprising - 1.0);
+  if (result.nis > surprising_nis) noise_deg2 += expected_deg2 * (result.nis / surprising_nis - 1.0);
   filter_.update(row, result.innovation_deg, noise_deg2);
-  keep_sigma(std::sqrt(filter_.variance(filter_.derivative(turn, now_s_, now_deg_, comparison.about))));
+  keep_sigma(std::sqrt(filter_.variance(filter_.jacobian(turn, now_s_, now_deg_, comparison.about))));
   if (std::abs(rate_dps) <= moving_dps) return result;
   const auto after = alignment.compare(view, filter_.exposed_deg(turn, now_s_, now_deg_), {});
   pixels_.learn(half.parity, after.residual, after.map_variance);
@@ -282,7 +281,7 @@ void Tracker::locate(const HalfFrame& half, const TurnPath& path, CircleSearch& 
 
 void Tracker::settle(const CircleSearch::Found& found) {
   const double off_deg = std::remainder(found.azimuth_deg - located_deg_, whole_turn_deg);
-  filter_.find_heading(filter_.derivative(located_turn_, now_s_, now_deg_), off_deg, found.sigma_deg);
+  filter_.find_heading(filter_.jacobian(located_turn_, now_s_, now_deg_), off_deg, found.sigma_deg);
   keep_sigma(found.sigma_deg);
 }
 

@@ -15,13 +15,13 @@
 
 namespace thermorig::odometer {
 
-/// What a half told the filter.
+/// What came of a half-frame.
 struct HalfResult {
   bool is_used = false;        // the filter took it
-  bool is_judged = false;      // it could be laid against the map
+  bool is_judged = false;      // it could be registered against the map
   bool is_flat = false;        // surroundings without any structure fit it better than the map does
   bool is_other_view = false;  // and does not fit them either: it shows something else
-  double squared = 0.0;        // its innovation, squared and divided by what was expected of it
+  double nis = 0.0;            // its innovation squared, over the variance that was expected
   double innovation_deg = 0.0, sigma_deg = 0.0;  // and what was expected of it
   double misfit = 0.0;   // squares of its pixels, divided by what was expected of them
   double left_k2 = 0.0;  // mean square of what its pixels differ from the map by
@@ -30,7 +30,8 @@ struct HalfResult {
   Alignment::Explained explained;  // by a map that was loaded
 };
 
-/// Heading filter and panorama together: half after half.
+/// Heading filter and panorama together. Each half-frame: advance() is the time update, then add() registers
+/// it against the panorama, updates the filter by the heading that was found, and writes the panorama.
 class Tracker {
  public:
   static constexpr double least_bias_sigma_dps = 0.1;  // that a pass begins with
@@ -48,7 +49,7 @@ class Tracker {
 
   /// Parts of the surroundings were never seen.
   bool has_gap() const { return filter_.has_gap(); }
-  /// The map, until it closes, is an open one: nothing but the lens tells the scale. Then what is written
+  /// The map, until it closes, is an open one: its degrees are the lens's. Then what is written
   /// again is off as the half is at that time, and no longer as the one that first saw it was.
   void expect_open_map() { is_open_ = true; }
   /// From now on: people, say, besides the rig.
@@ -57,7 +58,7 @@ class Tracker {
   /// Everything but a map that was made before.
   void restart(const Priors& priors, const Map& map);
   void keep(Map& map) const;
-  /// It need no longer be told how much of the halves that map explains.
+  /// From now on nobody asks how much of the half-frames that map explains.
   void trust_map() { is_on_trial_ = false; }
   /// The map is made: from now on halves confirm it.
   void end_learning() { is_learning_ = false; }
@@ -106,7 +107,7 @@ class Tracker {
   Exposed expose(const HalfFrame& half, const TurnPath& path);
   HalfResult judge(const HalfFrame& half, const Exposed& exposed);
   void keep_sigma(double sigma_deg);
-  int work_of(int looks) const;
+  int work_of(int comparisons) const;
   std::array<double, HeadingFilter::nodes> written_shares(const Alignment::Comparison& comparison,
                                                           const HalfPixels& variance,
                                                           double azimuth_deg) const;
@@ -114,7 +115,7 @@ class Tracker {
   void level(const HalfFrame& half, Exposed& exposed) const;
   bool do_rows_look_apart() const { return rows_ != RowOrder::at_once || !lens_->is_plain(); }
   View view_of(const HalfFrame& half, const Exposed& exposed) const;
-  void begin_nodes(double azimuth_deg, const Exposed& exposed, const HeadingFilter::Row& shown);
+  void begin_nodes(double azimuth_deg, const Exposed& exposed, const HeadingFilter::Vector& shown);
   void write(const View& view, double azimuth_deg, double sigma_deg, float common_c);
 
   SharedLens lens_;

@@ -390,7 +390,7 @@ class ArrivalFit {
     }
   }
 
-  /// Before message `i`, after so many steps of the device. One that tells a wrong time has not been away for
+  /// Before message `i`, after so many steps of the device. One with a wrong time has not been away for
   /// so long: no more is missing than the host's time has room for.
   void add_gap(std::size_t i, double steps) {
     const HostTime begin = result_.times[i - 1].time;

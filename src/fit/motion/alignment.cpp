@@ -109,7 +109,7 @@ double Alignment::variance(const Parameters& parameters) {
     square_sum += static_cast<double>(squares.sum());
     weight_sum += static_cast<double>(weights.sum());
   }
-  reading_count_ = std::max(1.0, weight_sum - map_.freedom());
+  reading_count_ = std::max(1.0, weight_sum - map_.parameters());
   return square_sum / reading_count_;
 }
 
@@ -286,7 +286,7 @@ void Alignment::eliminate_map(Totals& totals) const {
 /// A reading is worth less than it weighs, since the panorama is made of readings too.
 void Alignment::learn_noise(const Totals& totals) {
   const double weight = std::max(1.0, totals.weight_sum);
-  noise_variance_ = totals.square_sum / std::max(0.1 * weight, weight - map_.freedom());
+  noise_variance_ = totals.square_sum / std::max(0.1 * weight, weight - map_.parameters());
 }
 
 void Alignment::learn_trust() {

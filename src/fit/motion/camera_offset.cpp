@@ -26,10 +26,10 @@ constexpr std::size_t lag_windows = 2;   // so many tell of it
 
 // Rows are looked at in bands, from the upper ones to the lower ones.
 constexpr std::size_t bands = 4;
-constexpr std::size_t band_rows = half_rows / bands;  // of a column of a chess half
+constexpr std::size_t band_rows = half_rows / bands;  // of a column of a half-frame
 constexpr std::size_t row_windows = 2;                // so many tell how rows are read
 constexpr double middle_row = 0.5 * (frame_rows - 1.0);
-constexpr double row_error = 0.5;  // of the row for which a band stands: what is seen there differs by angle
+constexpr double row_error = 0.5;  // of the middle row of a band: what is seen there differs by angle
 constexpr double least_leverage_rows2 = 4.0;
 
 /// Both halves of a frame get its whole span where nobody knows which one came first.
@@ -47,7 +47,7 @@ std::string refusal(std::span<const FreshHalf> halves) {
   return {};
 }
 
-/// Some rows of a chess half alone, by their number in a column (row_of()).
+/// Some rows of a half-frame alone, by their number in a column (row_of()).
 std::vector<HalfView> views_of_rows(const Window& window, std::size_t begin, std::size_t end) {
   std::vector<HalfView> views = views_of(window);
   for (HalfView& view : views)
@@ -63,7 +63,7 @@ bool is_told(const Alignment& alignment) {
          std::abs(alignment.parameters()[offset_s]) < largest_offset_s;
 }
 
-/// The offset of a band of rows, and the row for which it stands.
+/// The offset of a band of rows, and its middle row.
 struct BandOffset {
   double row = 0.0;
   Estimate offset_s;
@@ -91,8 +91,8 @@ std::optional<RowLine> line_through(const std::vector<BandOffset>& told) {
   for (const BandOffset& band : told)
     line.add(band.row - middle_row, band.offset_s.value, std::pow(band.offset_s.uncertainty, -2));
   if (!(line.squares_x() > least_leverage_rows2 * line.weights())) return std::nullopt;
-  const double freedom = std::max(1.0, static_cast<double>(told.size()) - 2.0);
-  const double widened = std::sqrt(std::max(1.0, line.residual_squares() / freedom));
+  const double degrees_of_freedom = std::max(1.0, static_cast<double>(told.size()) - 2.0);
+  const double widened = std::sqrt(std::max(1.0, line.residual_squares() / degrees_of_freedom));
   const double slope_uncertainty_s = 1.0 / std::sqrt(line.squares_x());
   const double middle_uncertainty_s =
       std::hypot(1.0 / std::sqrt(line.weights()), line.mean_x() * slope_uncertainty_s);

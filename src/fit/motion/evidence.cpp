@@ -35,7 +35,7 @@ double sane(double uncertainty) {
   return uncertainty > 0.0 && uncertainty < largest_bias_dps ? uncertainty : 0.0;
 }
 
-/// How fast the bias went from the opening rest to the closing one, where nothing tells more.
+/// How fast the bias went from the opening rest to the closing one, where nothing more is known.
 double drift_between_rests(std::span<const TimedGyro> gyro, const GyroErrors& errors) {
   if (!errors.bias_before_dps || !errors.bias_after_dps || gyro.empty()) return 0.0;
   const double length_s = to_s(gyro.back().stamp.time - gyro.front().stamp.time);
@@ -44,7 +44,7 @@ double drift_between_rests(std::span<const TimedGyro> gyro, const GyroErrors& er
 }
 
 /// The gyro as if its bias had stayed, if it is known how it went, and as if it had shown it at rest, where
-/// it zeroes itself: else taking the bias off would turn a rig that stands. Nothing, if neither is to be
+/// it zeroes itself: else taking the bias off would turn a rig that is at rest. Nothing, if neither is to be
 /// done.
 std::vector<TimedGyro> with_steady_bias(std::span<const TimedGyro> gyro, const GyroErrors& errors) {
   if (!errors.bias_dps || (errors.bias_course.empty() && !errors.zeroes_itself)) return {};

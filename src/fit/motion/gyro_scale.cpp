@@ -156,7 +156,7 @@ Try sharpest(const std::vector<Try>& tries, double other, double distance) {
   return best;
 }
 
-/// The lowest point near by, by parabolas through three tries, and how sharply it is told.
+/// The lowest point near by, by parabolas through three tries, and its curvature.
 std::optional<Estimate> lowest(ClosedTurn& turn, double tried, double step) {
   Estimate found{tried, 0.0};
   for (int round = 0; round < closing_rounds; ++round) {
@@ -192,10 +192,10 @@ class ScaleContest {
   }
 
   /// Where single halves fit better at a scale too near to be another place, something that moves before the
-  /// walls has drawn the panorama as a whole aside, and the scale is anywhere near by.
-  double drawn_aside(double pixel) {
-    const bool is_aside = lead(at_scale_ - pixel) < 0.0 || lead(at_scale_ + pixel) < 0.0;
-    return is_aside ? apart_pixels / 2.0 * pixel : 0.0;
+  /// walls has shifted the whole panorama, and the scale is anywhere near by.
+  double common_shift(double pixel) {
+    const bool is_shifted = lead(at_scale_ - pixel) < 0.0 || lead(at_scale_ + pixel) < 0.0;
+    return is_shifted ? apart_pixels / 2.0 * pixel : 0.0;
   }
 
  private:
@@ -235,9 +235,9 @@ std::optional<Estimate> scale_in(const Window& window, const Evidence& evidence,
   const bool is_elsewhere = std::abs(other.value - found->value) > pixel;
   ScaleContest contest(turn, found->value, window, evidence, view.field_of_view_deg);
   if (is_elsewhere && contest.lead(other.value) < clear_lead) return std::nullopt;
-  const double aside = contest.drawn_aside(pixel);
+  const double shift = contest.common_shift(pixel);
   return Estimate{found->value,
-                  std::hypot(std::hypot(found->uncertainty, aside), model_error_deg / turned_deg,
+                  std::hypot(std::hypot(found->uncertainty, shift), model_error_deg / turned_deg,
                              bias_share(window, valley, turned_deg))};
 }
 

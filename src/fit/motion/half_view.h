@@ -36,7 +36,7 @@ class AngleTrack {
   std::vector<Gap> gaps_;
 };
 
-/// A chess half of a frame that was read anew: when it was exposed and how fast the rig turned.
+/// A half-frame of a frame that was read anew: when it was exposed and how fast the rig turned.
 struct FreshHalf {
   const TimedFrame* frame = nullptr;
   unsigned parity = 0;

@@ -151,7 +151,7 @@ void PanoramaMap::finish() {
   find_rises();
 }
 
-double PanoramaMap::freedom() const {
+double PanoramaMap::parameters() const {
   return static_cast<double>(
       std::count_if(weight_.begin(), weight_.end(), [](float weight) { return weight > 0.0F; }));
 }

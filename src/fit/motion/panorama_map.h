@@ -10,7 +10,7 @@
 namespace thermorig::motion {
 
 /// The surroundings as the camera's 24 rows see them, in bins of azimuth: what all halves together say.
-/// Values lie in cells: the 12 rows of one bin that one column of a chess half can fill, side by side.
+/// Values lie in cells: the 12 rows of one bin that one column of a half-frame can fill, side by side.
 class PanoramaMap {
  public:
   using Cells = std::vector<float, Eigen::aligned_allocator<float>>;
@@ -55,7 +55,7 @@ class PanoramaMap {
   ConstColumnOf known(const Between& between) const { return at(both_known_, between.left); }
 
   /// How many values were needed to explain what was added.
-  double freedom() const;
+  double parameters() const;
 
   std::size_t size() const { return weight_.size(); }
   double bin_deg() const { return bin_deg_; }

@@ -25,7 +25,7 @@ std::size_t frame_index(std::size_t i, unsigned parity) {
   return row_of(column, i % half_rows, parity) * frame_columns + column;
 }
 
-/// Of the pixels of a chess half.
+/// Of the pixels of a half-frame.
 struct Moments {
   std::array<double, half_pixels> count{};
   std::array<double, half_pixels> sum{};

@@ -25,7 +25,7 @@ struct Readings {
   HalfPixels weight;  // how much each of them counts: 1 for a pixel of average noise
 };
 
-/// What is peculiar to each pixel: its own offset and how noisy it is, by chess half.
+/// What is peculiar to each pixel: its own offset and how noisy it is, by half-frame.
 class PixelModel {
  public:
   /// A first idea: how a pixel's mean over all angles differs from its neighbours'. Their smooth part is the

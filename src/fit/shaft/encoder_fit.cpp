@@ -98,7 +98,7 @@ Four harmonics_of(const EncoderProfile& encoder) {
   return {encoder.once_cosine_deg, encoder.once_sine_deg, encoder.twice_cosine_deg, encoder.twice_sine_deg};
 }
 
-/// Where the shaft stands by the command while it rests, less where the sensor has it.
+/// Where the shaft is by the command while it rests, less where the sensor has it.
 double offset_deg(std::span<const TimedShaft> shaft, std::span<const TimedServo> servo,
                   const EncoderProfile& encoder) {
   std::complex<double> sum;

@@ -19,7 +19,7 @@ constexpr double same_rest_dps = 0.5;  // a block's mean off that of the rest so
 constexpr double same_bias_dps = 1.0;  // by which a bias may drift until a later rest
 constexpr double least_later_rest_s = 2.0;
 constexpr std::size_t fewest_frames = 8;
-constexpr std::size_t neighbour = 2;   // frames apart: both chess halves are new by then
+constexpr std::size_t neighbour = 2;   // frames apart: both half-frames are new by then
 constexpr double turned_factor = 1.5;  // noise differs as much however far apart, and is never so uneven
 
 double noise_of(const std::vector<GyroBlock>& blocks) {

@@ -24,7 +24,7 @@ constexpr double least_periods = 2.0;       // passed from end to end
 constexpr double most_span_deg = 10'800.0;  // 30 turns: the search takes time that grows with its square
 constexpr double bin_deg = 1.0;
 constexpr double least_power = 12.0;      // times the median: by chance one recording in ten thousand
-constexpr double slowest_turn_dps = 3.0;  // below it a pulse period tells little
+constexpr double slowest_turn_dps = 3.0;  // below it a pulse period says little
 constexpr double most_turns = 100'000.0;  // of a longer recording every second one, third ...
 constexpr std::size_t least_turns = 500;
 

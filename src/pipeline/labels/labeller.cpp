@@ -134,6 +134,19 @@ constexpr double most_apart = 1.4142135623730951;  // of two errors that do not 
 constexpr double errors_a_turn = 2.0;              // that a sensor's error repeats twice a turn
 constexpr double hardly_turning_dps = 1.0;         // slower, a share of the travel passed is none
 
+/// Of a mean speed when the exposure is moved by half or all of `time_s`, either way. `here_dps`: where it
+/// is.
+template <typename Mean>
+double largest_change_dps(HostTime begin, HostTime end, double time_s, double here_dps,
+                          const Mean& mean_dps) {
+  double change_dps = 0.0;
+  for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
+    const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
+    change_dps = std::fmax(change_dps, std::abs(mean_dps(begin + shift, end + shift) - here_dps));
+  }
+  return change_dps;
+}
+
 std::uint32_t bit_if(Reason reason, bool holds) {
   return holds ? bit(reason) : 0U;
 }
@@ -295,15 +308,10 @@ void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
   sample.reason_bits |= command_reasons(sample) | model_reasons(sample, shaft);
 }
 
-/// Largest change of the label when the exposure is moved by half or all of `time_s`, either way.
 double Labeller::time_error_dps(const LabelledSample& sample, double time_s) const {
-  double error_dps = 0.0;
-  for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
-    const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
-    const double moved_dps = shaft_.mean_dps(sample.exposure_begin + shift, sample.exposure_end + shift);
-    error_dps = std::max(error_dps, std::abs(moved_dps - static_cast<double>(sample.rate_shaft_dps)));
-  }
-  return error_dps;
+  return largest_change_dps(sample.exposure_begin, sample.exposure_end, time_s,
+                            static_cast<double>(sample.rate_shaft_dps),
+                            [this](HostTime begin, HostTime end) { return shaft_.mean_dps(begin, end); });
 }
 
 /// The older half of a frame is mostly the newer one of the frame before. A half that is shown again and
@@ -326,16 +334,12 @@ void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) {
   }
 }
 
-/// Largest change of the measured speed when the exposure is moved by half or all of `time_s`, either way.
 double Labeller::measured_time_error_dps(HostTime begin, HostTime end, double time_s) const {
-  const auto here = measured_.rate_dps(begin, end);
-  double error_dps = 0.0;
-  for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
-    const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
-    const auto moved = measured_.rate_dps(begin + shift, end + shift);
-    if (here && moved) error_dps = std::max(error_dps, std::abs(moved->value - here->value));
-  }
-  return error_dps;
+  const auto measured_dps = [this](HostTime from, HostTime to) {
+    const auto rate = measured_.rate_dps(from, to);
+    return rate ? rate->value : unknown;
+  };
+  return largest_change_dps(begin, end, time_s, measured_dps(begin, end), measured_dps);
 }
 
 /// What a sensor on the shaft says is what the shaft did. How far the commanded speeds are from it is known
@@ -410,7 +414,7 @@ GyroMean Labeller::note_gyro(LabelledSample& sample) const {
   return mean;
 }
 
-/// No command tells the speed: the gyro does, less the bias of the recording's rests. Until a rest is known,
+/// Without a command the speed is the gyro's, less the bias of the recording's rests. Until a rest is known,
 /// as in a live run, there is no label.
 void Labeller::label_by_gyro(LabelledSample& sample, const PendingFrame& frame) {
   const GyroMean mean = note_gyro(sample);
@@ -430,12 +434,9 @@ void Labeller::label_by_gyro(LabelledSample& sample, const PendingFrame& frame) 
   if (errors.bias_dps && mean.count > 0) {
     const double time_s = std::hypot(std::hypot(frame.stamp.uncertainty_s, mean.time_uncertainty_s),
                                      config_.latency_uncertainty_s, between_samples_s());
-    double time_dps = 0.0;
-    for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
-      const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
-      const double moved_dps = gyro_.mean_dps(sample.exposure_begin + shift, sample.exposure_end + shift);
-      time_dps = std::fmax(time_dps, std::abs(moved_dps - mean.rate_dps));
-    }
+    const double time_dps =
+        largest_change_dps(sample.exposure_begin, sample.exposure_end, time_s, mean.rate_dps,
+                           [this](HostTime begin, HostTime end) { return gyro_.mean_dps(begin, end); });
     const double noise_dps =
         std::isfinite(errors.noise_dps) ? errors.noise_dps / std::sqrt(static_cast<double>(mean.count)) : 0.0;
     const double scale_dps = errors.scale.uncertainty * static_cast<double>(sample.rate_shaft_dps);

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::labels {
 
 namespace {
@@ -25,36 +27,19 @@ struct Line {
 
 template <typename Points>
 std::optional<Line> line_at(const Points& points, HostTime time) {
-  double weight = 0.0, t_mean = 0.0, y_mean = 0.0, noise2 = 0.0;
-  const double zero_deg = points.front().angle_deg;
+  LineFit fit;
+  double noise2 = 0.0;
   for (const auto& point : points) {
-    weight += 1.0;
-    t_mean += to_s(point.time - time);
-    y_mean += point.angle_deg - zero_deg;
+    fit.add(to_s(point.time - time), point.angle_deg);
     noise2 += double{point.uncertainty_deg} * double{point.uncertainty_deg};
   }
-  t_mean /= weight;
-  y_mean /= weight;
-  noise2 /= weight;
-  double tt = 0.0, ty = 0.0;
-  for (const auto& point : points) {
-    const double t = to_s(point.time - time) - t_mean;
-    tt += t * t;
-    ty += t * (point.angle_deg - zero_deg - y_mean);
-  }
-  if (!(tt > 0.0)) return std::nullopt;
-  const double slope = ty / tt;
-  double left2 = 0.0;
-  for (const auto& point : points) {
-    const double t = to_s(point.time - time) - t_mean;
-    const double left = point.angle_deg - zero_deg - y_mean - slope * t;
-    left2 += left * left;
-  }
-  const double free = weight - 2.0;
+  if (!(fit.squares_x() > 0.0)) return std::nullopt;
+  noise2 /= fit.weights();
+  const double free = fit.weights() - 2.0;
   const double explained2 = noise2 * (1.0 + line_chance_deviations * std::sqrt(2.0 / free));
-  const double strays2 = std::max(0.0, left2 / free - explained2);
-  const double own2 = noise2 * (1.0 / weight + t_mean * t_mean / tt);
-  return Line{zero_deg + y_mean - slope * t_mean, own2, strays2};
+  const double strays2 = std::max(0.0, fit.residual_squares() / free - explained2);
+  const double own2 = noise2 * (1.0 / fit.weights() + fit.mean_x() * fit.mean_x() / fit.squares_x());
+  return Line{fit.at(0.0), own2, strays2};
 }
 
 /// How far a line is bent that a narrower one was cut from, squared.

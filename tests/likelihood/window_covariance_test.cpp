@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "estimators/likelihood/scene_prior.h"
+#include "estimators/likelihood/window_covariance.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "estimators/likelihood/speed_table.h"
-#include "estimators/likelihood/window_covariance.h"
 #include "estimators/likelihood/window_lines.h"
 
 namespace thermorig::likelihood {
