@@ -45,11 +45,12 @@ if as_json:
     print(json.dumps({"first_seed": first, "models": reports, "goals": goals}))
     sys.exit()
 print(f"SIMULATED rooms from seed {first} on; RMSE against the shaft in deg/s")
-print("model           room        thermal  fusion  fusion*  raw gyro  gyro-rest  gyro-kalman  its fusion  1 sigma  2 sigma  Kg 5..95 %")
+print("model           room        thermal  likelihood  fusion  fusion*  raw gyro  gyro-rest  gyro-kalman  its fusion  "
+      "1 sigma  2 sigma  Kg 5..95 %")
 for name, rows in reports.items():
     for where in (*ENVIRONMENTS, "all"):
         row = rows[where]
-        print(f"{name:15} {where:10} {row['cnn-thermal']:8.2f} {row['cnn-fusion']:7.2f} "
+        print(f"{name:15} {where:10} {row['cnn-thermal']:8.2f} {row['thermal-likelihood']:11.2f} {row['cnn-fusion']:7.2f} "
               f"{row['fusion_rmse_beside_10_dps']:8.2f} {row['gyro']:9.2f} {row['gyro-rest']:10.2f} "
               f"{row['gyro-kalman']:12.2f} {row['cnn-fusion-kalman']:11.2f} {row['within_one']:8.2f} {row['within_two']:8.2f}  "
               f"{row['gain_p05']:.2f}..{row['gain_p95']:.2f}")
