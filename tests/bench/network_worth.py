@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Rows and goals of network_worth.sh. network_worth.py JSON FIRST_SEED FOLDER, with general.json and so on in it."""
 import json
+import math
 import pathlib
 import sys
 
@@ -12,7 +13,9 @@ THERMAL = {"general": (11.5, 6.0), "refined": (10.5, 5.0), "refined_turned": (9.
 def rows_of(report):
     rows = {}
     for part in [*report["environments"], {"name": "all", "shaft_errors": report["shaft_errors"], "sigma": report["sigma"]}]:
-        rows[part["name"]] = {who: error["rmse_dps"] for who, error in part["shaft_errors"].items()} | part["sigma"]
+        row = {who: error["rmse_dps"] for who, error in part["shaft_errors"].items()} | part["sigma"]
+        # An estimator that said nothing has no error: not a number, by which no goal is met.
+        rows[part["name"]] = {who: math.nan if value is None else value for who, value in row.items()}
     return rows
 
 
@@ -42,6 +45,8 @@ as_json, first, folder = sys.argv[1] == "1", int(sys.argv[2]), pathlib.Path(sys.
 reports = {path.stem: rows_of(json.loads(path.read_text())) for path in sorted(folder.glob("*.json"))}
 goals = [{"model": name, "goal": goal, "met": bool(met)} for name, rows in reports.items() for goal, met in goals_of(name, rows)]
 if as_json:
+    for row in (row for rows in reports.values() for row in rows.values()):
+        row.update({who: None for who, value in row.items() if math.isnan(value)})
     print(json.dumps({"first_seed": first, "models": reports, "goals": goals}))
     sys.exit()
 print(f"SIMULATED rooms from seed {first} on; RMSE against the shaft in deg/s")
