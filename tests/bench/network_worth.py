@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Rows and goals of network_worth.sh. network_worth.py JSON FIRST_SEED FOLDER, with general.json and so on in it."""
 import json
+import math
 import pathlib
 import sys
 
@@ -12,7 +13,9 @@ THERMAL = {"general": (11.5, 6.0), "refined": (10.5, 5.0), "refined_turned": (9.
 def rows_of(report):
     rows = {}
     for part in [*report["environments"], {"name": "all", "shaft_errors": report["shaft_errors"], "sigma": report["sigma"]}]:
-        rows[part["name"]] = {who: error["rmse_dps"] for who, error in part["shaft_errors"].items()} | part["sigma"]
+        row = {who: error["rmse_dps"] for who, error in part["shaft_errors"].items()} | part["sigma"]
+        # An estimator that said nothing has no error: not a number, by which no goal is met.
+        rows[part["name"]] = {who: math.nan if value is None else value for who, value in row.items()}
     return rows
 
 
@@ -42,14 +45,17 @@ as_json, first, folder = sys.argv[1] == "1", int(sys.argv[2]), pathlib.Path(sys.
 reports = {path.stem: rows_of(json.loads(path.read_text())) for path in sorted(folder.glob("*.json"))}
 goals = [{"model": name, "goal": goal, "met": bool(met)} for name, rows in reports.items() for goal, met in goals_of(name, rows)]
 if as_json:
+    for row in (row for rows in reports.values() for row in rows.values()):
+        row.update({who: None for who, value in row.items() if math.isnan(value)})
     print(json.dumps({"first_seed": first, "models": reports, "goals": goals}))
     sys.exit()
 print(f"SIMULATED rooms from seed {first} on; RMSE against the shaft in deg/s")
-print("model           room        thermal  fusion  fusion*  raw gyro  gyro-rest  gyro-kalman  its fusion  1 sigma  2 sigma  Kg 5..95 %")
+print("model           room        thermal  likelihood  fusion  fusion*  raw gyro  gyro-rest  gyro-kalman  its fusion  "
+      "1 sigma  2 sigma  Kg 5..95 %")
 for name, rows in reports.items():
     for where in (*ENVIRONMENTS, "all"):
         row = rows[where]
-        print(f"{name:15} {where:10} {row['cnn-thermal']:8.2f} {row['cnn-fusion']:7.2f} "
+        print(f"{name:15} {where:10} {row['cnn-thermal']:8.2f} {row['thermal-likelihood']:11.2f} {row['cnn-fusion']:7.2f} "
               f"{row['fusion_rmse_beside_10_dps']:8.2f} {row['gyro']:9.2f} {row['gyro-rest']:10.2f} "
               f"{row['gyro-kalman']:12.2f} {row['cnn-fusion-kalman']:11.2f} {row['within_one']:8.2f} {row['within_two']:8.2f}  "
               f"{row['gain_p05']:.2f}..{row['gain_p95']:.2f}")

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # What the general model is worth in rooms that it has never seen, and with --refined one that `train` has made of it and
-# of 17 recordings: simulated rooms, world honest unless another is named, raw gyro, plan table-one, errors against the shaft. Says of each goal
-# whether it is met.
+# of 17 recordings: simulated rooms, world honest unless another is named, raw gyro, plan table-one, errors against the
+# shaft. Says of each goal whether it is met.
 # Usage: bash tests/bench/network_worth.sh [--json] [--first-seed N] [--rooms N] [--lens 55|110] [--world W] [--refined]
 #   --first-seed   of the rooms (1001); choose one that nobody has looked at
 #   --rooms        an environment (2)
