@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <string_view>
 
@@ -202,32 +203,46 @@ std::string cell(std::string text) {
   return CLI::detail::find_and_replace(std::move(text), "<", "&lt;");
 }
 
-std::string table(const CLI::App& command) {
-  std::string rows = "| option | meaning |\n| --- | --- |\n";
-  const auto add = [&](const CLI::Option& option) {
-    const OptionName name = name_of(option);
-    rows += "| `" + cell(name.names) + cell(name.value) + "` | " + cell(meaning_of(option)) + " |\n";
-  };
-  for (const CLI::Option* option : positionals(command)) add(*option);
-  for (const OptionGroup& group : option_groups(command)) {
-    if (group.name == last_group) continue;  // every command has these
-    const bool is_of_the_rig = group.name == rig_group || group.name == simulated_rig_group;
-    if (is_of_the_rig && command.get_name() != "record") {  // long, and the same
-      rows += "| **" + group.name + "** | As in [record](#record) |\n";
-      continue;
-    }
-    if (group.name != "Options") rows += "| **" + group.name + "** | |\n";
-    for (const CLI::Option* option : group.options) add(*option);
+std::string row(const CLI::Option& option) {
+  const OptionName name = name_of(option);
+  return "| `" + cell(name.names) + cell(name.value) + "` | " + cell(meaning_of(option)) + " |\n";
+}
+
+/// A group's rows. Several that `record` has word by word are names in one row.
+std::string group_rows(const OptionGroup& group, const std::set<std::string>& rows_of_record) {
+  const auto is_of_record = [&](const CLI::Option* option) { return rows_of_record.contains(row(*option)); };
+  const bool refers = std::ranges::count_if(group.options, is_of_record) > 1;
+  std::string own, shared;
+  for (const CLI::Option* option : group.options) {
+    if (refers && is_of_record(option))
+      shared += (shared.empty() ? "`" : ", `") + cell(name_of(*option).names) + "`";
+    else
+      own += row(*option);
   }
+  const std::string reference = " | As in [record](#record) |\n";
+  if (own.empty() && (group.name == rig_group || group.name == simulated_rig_group))
+    return "| **" + group.name + "**" + reference;
+  return (group.name == "Options" ? "" : "| **" + group.name + "** | |\n") + own +
+         (refers ? "| " + shared + reference : "");
+}
+
+std::string table(const CLI::App& command, const CLI::App& record) {
+  std::set<std::string> rows_of_record;
+  if (&command != &record)
+    for (const CLI::Option* option : record.get_options()) rows_of_record.insert(row(*option));
+  std::string rows = "| option | meaning |\n| --- | --- |\n";
+  for (const CLI::Option* option : positionals(command)) rows += row(*option);
+  for (const OptionGroup& group : option_groups(command))
+    if (group.name != last_group) rows += group_rows(group, rows_of_record);  // every command has those
   return rows;
 }
 
-void add_tables(std::string& text, const CLI::App& command) {
+void add_tables(std::string& text, const CLI::App& command, const CLI::App& record) {
   const auto inner = named_commands(command);
-  for (const CLI::App* one : inner) add_tables(text, *one);
+  for (const CLI::App* one : inner) add_tables(text, *one, record);
   if (!inner.empty()) return;
   const std::string name = full_name(command).substr(std::string("thermorig ").size());
-  text += "<!-- options: " + name + " -->\n" + table(command) + "<!-- end of options -->\n";
+  text += "<!-- options: " + name + " -->\n" + table(command, record) + "<!-- end of options -->\n";
 }
 
 }  // namespace
@@ -242,7 +257,7 @@ std::map<std::string, std::string> man_pages(const CLI::App& root) {
 
 std::string option_tables(const CLI::App& root) {
   std::string text;
-  add_tables(text, root);
+  add_tables(text, root, *root.get_subcommand("record"));
   return text;
 }
 

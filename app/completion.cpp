@@ -118,7 +118,6 @@ void add_values(Candidates& candidates, const CLI::App& command, const CLI::Opti
     return candidates.add_files({".toml"});
   }
   if (name == "world") return candidates.add_all({"honest", "typical", "hard"});
-  if (name == "sync") return candidates.add_all({"frame", "end"});
   if (name == "model" || name == "from") {
     candidates.add_all({"general", "none"});
     return candidates.add_files({".onnx"});

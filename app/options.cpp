@@ -3,6 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
 
 #include "command_texts.h"
 #include "completion.h"
@@ -92,7 +95,7 @@ void add_record(CLI::App& root, Words& words) {
         .add_option(
             "--frames-per-window", record.frames_per_window,
             "Refuse speeds at which the servo's travel is too short for N valid frames in a row (1 to 6)")
-        ->check(CLI::Range(1, 6))
+        ->check(within(1, 6))
         ->type_name("N");
   });
   add_rig(command, record.rig);
@@ -266,7 +269,7 @@ void add_view(CLI::App& root, ViewOptions& view) {
   CLI::App& command = *root.add_subcommand("view", "Show a session in the browser: images, rates, validity");
   command.add_option("SESSION", view.file, "Session file (.h5), or a folder to choose one from")->required();
   command.add_option("--page-port", view.port, "Port of the page on this computer (0: any free one)")
-      ->check(CLI::Range(0, 65535))
+      ->check(within(0, 65535))
       ->type_name("N")
       ->capture_default_str();
   add_json(command, view.json);
@@ -469,6 +472,16 @@ std::vector<std::string> words_of(const CLI::App& command) {
   return words;
 }
 
+/// Options of former versions, and what to write in their place.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> options_that_are_gone{
+    {{"--odometer",
+      "the odometer runs on a computer (thermorig live); for a board there is the network: export MODEL "
+      "--c-header"},
+     {"--cache",
+      "frames that memory has no room for lie beside the output: write that to a large disk, or allow more "
+      "--memory"},
+     {"--job", "one part of N of a study: --shard I/N; --list-jobs shows which jobs are open"}}};
+
 std::string what_to_read(const CLI::App& root) {
   const std::vector<std::string> left = root.remaining(true);
   const CLI::App* command = &root;
@@ -477,11 +490,15 @@ std::string what_to_read(const CLI::App& root) {
     command = command->get_subcommands().front();
     help += command->get_name() + " ";
   }
-  const auto meant = left.empty() ? std::nullopt : nearest_name(left.front(), words_of(*command));
-  if (!left.empty() && left.front() == "--odometer")
-    return "the odometer runs on a computer (thermorig live); for a board there is the network: export MODEL "
-           "--c-header";
+  if (left.empty()) return help + "--help";
+  for (const auto& [name, instead] : options_that_are_gone)
+    if (left.front().substr(0, left.front().find('=')) == name) return std::string(instead);
+  const auto meant = nearest_name(left.front(), words_of(*command));
   return (meant ? "did you mean " + *meant + "? " : "") + help + "--help";
+}
+
+std::string unexpected_text(const std::string& word) {
+  return word.starts_with("-") ? "there is no option " + word : "\"" + word + "\" was not expected";
 }
 
 /// "--speeds = 30deg" of CLI11's "Could not convert: --speeds = 30deg".
@@ -555,9 +572,10 @@ CommandLine parse(int argc, const char* const* argv) {
   } catch (const CLI::RequiredError& error) {
     const std::vector<std::string> left =
         root.remaining(true);  // a slip of the pen, mostly, in the word that is missing
-    throw Error(ExitCode::bad_usage,
-                left.empty() ? error.what() : "The following argument was not expected: " + left.front(), "",
+    throw Error(ExitCode::bad_usage, left.empty() ? error.what() : unexpected_text(left.front()), "",
                 what_to_read(root));
+  } catch (const CLI::ExtrasError&) {
+    throw Error(ExitCode::bad_usage, unexpected_text(root.remaining(true).front()), "", what_to_read(root));
   } catch (const CLI::ConversionError& error) {
     throw Error(ExitCode::bad_usage, conversion_text(error.what()), "", what_to_read(root));
   } catch (const CLI::ParseError& error) {

@@ -30,16 +30,17 @@ std::optional<std::uint64_t> seed_of(const std::string& text) {
 std::string problem_of_seed(const std::string& text) {
   return seed_of(text) ? "" : "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1";
 }
-/// CLI::Range takes NaN for a number of any range.
+}  // namespace
+
 CLI::Validator within(double least, double most) {
   return {[=](const std::string& text) {
             double value = 0.0;
             const bool is_within = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
-            return is_within ? "" : fmt::format("{} is not a number from {} to {}", text, least, most);
+            return is_within ? ""
+                             : fmt::format("{} is not a number from {:.10g} to {:.10g}", text, least, most);
           },
           ""};
 }
-}  // namespace
 
 void add_json(CLI::App& command, bool& json) {
   command.add_flag("--json", json, "Print JSON, for programs")->group(last_group);
@@ -47,7 +48,15 @@ void add_json(CLI::App& command, bool& json) {
 
 void add_sync(CLI::App& command, int& period_ms) {
   command.add_option("--sync", period_ms, "Milliseconds of data that a power cut may cost (10 to 60000)")
-      ->check(CLI::Range(10, 60'000))
+      ->check(CLI::Validator(
+          [](const std::string& word) {
+            return word == "frame" || word == "end" ? word +
+                                                          " is no longer a value: --sync takes milliseconds, "
+                                                          "10 to 60000 (125 is the default)"
+                                                    : "";
+          },
+          ""))
+      ->check(within(10, 60'000))
       ->type_name("MS")
       ->capture_default_str();
 }

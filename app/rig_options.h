@@ -26,6 +26,8 @@ void add_json(CLI::App& command, bool& json);
 
 /// Refuses what has a minus: read as a number without a sign it would be one near 2^64.
 CLI::Validator not_negative();
+/// Refuses what is not a number from `least` to `most`. (CLI::Range takes NaN for a number of any range.)
+CLI::Validator within(double least, double most);
 
 /// --sync: when what is recorded has to be on the disk.
 void add_sync(CLI::App& command, int& period_ms);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Says which links of the documents lead nowhere: files that are not there, headings that a page does not have.
+Fails, too, where README.md and docs are longer than their budget; decisions, evidence and studies do not count.
 
 Usage: python3 tests/document_links.py
 """
@@ -8,6 +9,7 @@ import re
 import subprocess
 import sys
 
+LINES = 5000  # decision 44
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
@@ -37,5 +39,10 @@ def dead_links(page):
 
 names = subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split()
 dead = [f"{name}: {link}" for name in names if (ROOT / name).exists() for link in dead_links(ROOT / name)]
+budgeted = re.compile(r"README\.md|docs/(?!decisions/|evidence/|study/).*")
+counted = [ROOT / name for name in names if budgeted.fullmatch(name) and (ROOT / name).exists()]
+lines = sum(len(page.read_text().splitlines()) for page in counted)
+if lines > LINES:
+    dead.append(f"README.md and docs have {lines} lines, at most {LINES} (decision 44)")
 print(*dead, sep="\n", end="\n" if dead else "")
 sys.exit(1 if dead else 0)

@@ -134,7 +134,7 @@ std::string sigma_text(const study::Evaluation& evaluation) {
   for (const study::EnvironmentErrors& environment : evaluation.environments)
     if (environment.sigma) add(printable(environment.name), *environment.sigma);
   add("all", *evaluation.sigma);
-  return fmt::format("{}(fusion: in expectation over a gyro that is off by {:g} deg/s)\n\n", table.text(),
+  return fmt::format("{}(fusion: expected RMSE beside a gyro that is off by {:g} deg/s)\n\n", table.text(),
                      study::expected_gyro_dps);
 }
 
@@ -249,8 +249,8 @@ std::vector<std::string> warnings_of(const model::Model& model, const ModelEvalu
     warnings.push_back(collapsed_text(evaluated.evaluation.gain.mean));
   const std::vector<std::string> better = better_baselines(evaluated);
   if (!better.empty())
-    warnings.push_back(fmt::format("without a network, {} {} a lower MSE than {}", fmt::join(better, ", "),
-                                   better.size() == 1 ? "has" : "have", study::fusion_name));
+    warnings.push_back(fmt::format("a lower MSE than {}, without a network: {}", study::fusion_name,
+                                   fmt::join(better, ", ")));
   const std::vector<std::string> other_view = with_another_view(model, acquisitions);
   if (!other_view.empty())
     warnings.push_back(

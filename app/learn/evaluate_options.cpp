@@ -45,19 +45,19 @@ void add_study_words(CLI::App& command, EvaluateOptions& options) {
       ->check(one_of({label_names.begin(), label_names.end()}))
       ->type_name("NAME");
   command.add_option("--epochs", options.epochs, "Epochs of each training (default 40)")
-      ->check(CLI::Range(1, 10'000))
+      ->check(within(1, 10'000))
       ->type_name("N");
   command
       .add_option("--history", options.history,
                   "Valid frames in a row before a window ends, for all Nf (default: the largest Nf)")
-      ->check(CLI::Range(2, 1'000))
+      ->check(within(2, 1'000))
       ->type_name("N");
 }
 
 /// Which of its jobs this program does, and what it draws.
 void add_job_words(CLI::App& command, EvaluateOptions& options) {
   command.add_option("--jobs", options.workers, "Trainings at the same time (default: one per core)")
-      ->check(CLI::Range(1, 1'024))
+      ->check(within(1, 1'024))
       ->type_name("N");
   command.add_option("--draw", options.draw, "Only write the report again from the results in this folder")
       ->type_name("DIR");

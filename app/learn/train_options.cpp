@@ -37,7 +37,7 @@ void add_settings(CLI::App& command, TrainOptions& options) {
       ->type_name("NAME");
   command.add_option("--epochs", options.epochs, "Passes over all windows (default 40)")->type_name("N");
   command.add_option("--batch", options.batch, "Windows per step, 1 to 32 (default 32)")
-      ->check(CLI::Range(1, 32))
+      ->check(within(1, 32))
       ->type_name("N");
   command.add_option("--rate", options.rate, "Learning rate of Adam (default: the preset's)")->type_name("R");
   command
@@ -65,10 +65,10 @@ void add_settings(CLI::App& command, TrainOptions& options) {
 
 void add_window_shape(CLI::App& command, std::optional<int>& frames, std::optional<int>& reduction) {
   command.add_option("--nf", frames, "Frames per window, 2 to 6 (default 3)")
-      ->check(CLI::Range(2, 6))
+      ->check(within(2, 6))
       ->type_name("N");
   command.add_option("--nr", reduction, "Average pixels N x N, 1 to 3 (default 1)")
-      ->check(CLI::Range(1, 3))
+      ->check(within(1, 3))
       ->type_name("N");
 }
 
@@ -77,7 +77,7 @@ void add_frame_memory(CLI::App& command, FrameOptions& options) {
       .add_option(
           "--memory", options.memory_mb,
           "Memory limit for frames; beyond it they are packed, then on disk (default: half of the memory)")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
+      ->check(within(0, 1e9))
       ->type_name("MB");
 }
 
@@ -105,7 +105,7 @@ void add_train(CLI::App& root, TrainOptions& options) {
     command
         .add_option("--lens", options.lens_deg,
                     "Field of view in generated rooms (default: the sessions', else 55)")
-        ->check(CLI::Range(20.0, 180.0))
+        ->check(within(20.0, 180.0))
         ->type_name("DEG");
   });
   in_group(command, "Run", [&] {
@@ -116,7 +116,7 @@ void add_train(CLI::App& root, TrainOptions& options) {
         ->type_name("DIR");
     command
         .add_option("--threads", options.threads, "Threads (default: cores); the model does not depend on it")
-        ->check(CLI::Range(1, 64))
+        ->check(within(1, 64))
         ->type_name("N");
     add_frame_memory(command, options.frame_memory);
   });

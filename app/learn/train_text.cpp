@@ -52,8 +52,8 @@ std::string simulated_text(const TrainStart& start) {
   const WindowCounts counts = count_windows(start);
   if (counts.all.simulated == 0) return "";
   if (counts.all.simulated == counts.all.acquisitions)
-    return "SIMULATED data: of a simulated rig, all of it\n";
-  return fmt::format("SIMULATED data: {} of {} acquisitions are of a simulated rig\n", counts.all.simulated,
+    return "SIMULATED data: all of it is from a simulated rig\n";
+  return fmt::format("SIMULATED data: {} of {} acquisitions are from a simulated rig\n", counts.all.simulated,
                      counts.all.acquisitions);
 }
 

@@ -160,7 +160,7 @@ void check(const LiveCommandLine& words) {
 
 void add_page(CLI::App& command, PageOptions& page) {
   command.add_option("--page-port", page.port, "Port of the page on this computer (0: any free one)")
-      ->check(CLI::Range(0, 65535))
+      ->check(within(0, 65535))
       ->type_name("N")
       ->capture_default_str();
   command.add_flag("--new-token", page.new_token, "Make a new token: open pages must be opened again");

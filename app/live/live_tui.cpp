@@ -206,7 +206,7 @@ class LiveTui : public LiveScreen {
 
   static std::string rate_text(const std::string& name, std::size_t width, const RateEstimate& estimate,
                                float label_dps, double rmse_dps) {
-    return fmt::format("\n{:<{}} {:>7}  error {:>7}  RMSE {:>6} deg/s{}", name, width,
+    return fmt::format("\n{:<{}} {:>7}  error {:>7}  RMSE {:>6}{}", name, width,
                        signed_figure(estimate.rate_dps), signed_figure(estimate.rate_dps - label_dps),
                        plain_figure(rmse_dps), angle_text(estimate));
   }

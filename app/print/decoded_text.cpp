@@ -42,13 +42,12 @@ Span span_of(const ThermalFrame& frame) {
 }
 
 std::string place(const char* what, std::uint64_t index, const StreamSpan& span) {
-  return fmt::format("{} {:<6} byte {:<9} ", what, index, span.begin);
+  return fmt::format("{} {:<4} byte {:<5} ", what, index, span.begin);
 }
 
 std::string body_text(const ServoState& state) {
-  return fmt::format("{:>12.6f} s  {:+9.2f} deg  {:+8.2f} deg/s  pulse {:>6.1f} us  {}{}{}",
-                     state.mcu_us * 1e-6, state.angle_deg, state.rate_dps, state.pulse_us,
-                     name_in(motion_names, state.motion),
+  return fmt::format("{:>9.6f} s {:+7.2f} deg {:+7.2f} deg/s {:6.1f} us {}{}{}", state.mcu_us * 1e-6,
+                     state.angle_deg, state.rate_dps, state.pulse_us, name_in(motion_names, state.motion),
                      state.leg > 0 ? fmt::format("  leg {}", state.leg) : "",
                      state.fault == ServoFault::none ? "" : "  FAULT " + name_in(fault_names, state.fault));
 }
@@ -213,7 +212,7 @@ std::string text_of(const wire::Counters& counters) {
              count_text(counters.bytes_in_damaged), count_text(counters.bytes_skipped),
              count_text(counters.bytes_pending)});
   Table messages(
-      {">messages", ">replies", ">bad check sum", ">bad length", ">bad value", ">lost", ">resyncs"});
+      {">messages", ">replies", ">bad checksum", ">bad length", ">bad value", ">lost", ">resyncs"});
   messages.add({count_text(counters.messages), count_text(counters.replies),
                 count_text(counters.bad_checksum), count_text(counters.bad_length),
                 count_text(counters.bad_value), count_text(counters.lost), count_text(counters.resyncs)});

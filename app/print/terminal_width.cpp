@@ -38,6 +38,8 @@ std::size_t hanging_indent(std::string_view line) {
   return next <= deepest ? next : begin + 2;
 }
 
+constexpr std::size_t longest_unit = 10;  // columns of "deg/s^2,"; a longer word with a '/' is a path
+
 std::string folded_line(std::string_view line, std::size_t width) {
   if (columns_of(line) <= width || line.find_first_of("\x1b\r") != std::string_view::npos)
     return std::string(line);
@@ -52,7 +54,8 @@ std::string folded_line(std::string_view line, std::size_t width) {
     }
     const std::size_t end = std::min(line.find(' ', begin), line.size());
     const std::string_view word = line.substr(at, end - at);  // with the blanks before it
-    breakable += word.find('/') == std::string_view::npos ? columns_of(word) : begin - at;
+    const bool is_path = word.find('/') != std::string_view::npos && end - begin > longest_unit;
+    breakable += is_path ? begin - at : columns_of(word);
     if (!done.empty() || !current.empty()) {
       const bool is_full = columns_of(current) + columns_of(word) > width;
       if (is_full && current.size() > indent.size()) {

@@ -29,9 +29,10 @@ void remark_clock(Device device, const ClockReport& clock, bool simulated, Remar
   if (clock.method.empty())
     return remarks.say(fmt::format("too little came from the {} to fit its clock", name_of(device)));
   if (clock.epochs.size() < 2) return;
-  if (simulated) remarks.say("a simulator that stood still for a moment looks like a clock that began anew");
-  remarks.advise(simulated ? "again on an idle machine, or with --fast: virtual time never stands still"
-                           : "again on an idle machine, with the board on a USB hub of its own");
+  if (simulated) remarks.say("a simulator that stood still for a moment looks like a clock that was reset");
+  remarks.advise(simulated
+                     ? "record again on an idle computer, or with --fast: virtual time never stands still"
+                     : "record again on an idle computer, with the board on a USB hub of its own");
 }
 
 void remark_offset(const session::Session& session, Remarks& remarks) {

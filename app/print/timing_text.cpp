@@ -70,18 +70,29 @@ std::string rests_on(const ClockReport& clock) {
 }
 
 std::string bound_table(const SyncReport& sync) {
-  Table table({"bounds", ">median ms", ">widest ms", "lower end", ">latency ms", ">+- ms", ">gaps",
-               ">missing", ">longest", ">epochs"});
+  Table table({"bounds", ">median ms", ">widest ms", "lower end", ">latency ms", ">+- ms"});
   for (const Device device : all_devices) {
     const ClockReport& clock = sync.clock[device];
     if (clock.method.empty()) continue;
     table.add({std::string(name_of(device)), ms(clock.bound_median_us), ms(clock.bound_us), rests_on(clock),
-               ms(1e6 * clock.latency_s), ms(1e6 * clock.latency_uncertainty_s),
-               count_text(clock.gaps.size()), count_text(missing(clock)),
+               ms(1e6 * clock.latency_s), ms(1e6 * clock.latency_uncertainty_s)});
+  }
+  return table.text();
+}
+
+/// Where messages are missing or a clock began anew: how often in all. A line where nothing is and none did.
+std::string gap_table(const SyncReport& sync) {
+  Table table({"gaps", ">count", ">missing", ">longest", ">epochs"});
+  bool is_broken = false;
+  for (const Device device : all_devices) {
+    const ClockReport& clock = sync.clock[device];
+    if (clock.method.empty()) continue;
+    is_broken |= !clock.gaps.empty() || clock.epochs.size() > 1;
+    table.add({std::string(name_of(device)), count_text(clock.gaps.size()), count_text(missing(clock)),
                clock.gaps.empty() ? "-" : gap_text(longest_gap_s(clock)),
                count_text(std::max<std::size_t>(1, clock.epochs.size()))});
   }
-  return table.text();
+  return is_broken ? table.text() : timing_line("gaps", "none, and no clock was reset");
 }
 
 double since_start_s(const Session& session, HostTime time) {
@@ -136,7 +147,7 @@ std::string scale_text(const GyroErrors& gyro, const GyroProfile& profile) {
                   calibrated_text(gyro.scale_calibrated, profile.scale_measured_utc), profile.scale,
                   profile.scale_uncertainty));
   if (gyro.scale_by_turns)
-    return text + timing_line("", fmt::format("whole turns in this session say {:.4f} +- {:.4f}",
+    return text + timing_line("", fmt::format("by whole turns in this session: {:.4f} +- {:.4f}",
                                               gyro.scale_by_turns->value, gyro.scale_by_turns->uncertainty));
   return gyro.scale_why_not.empty() ? text : text + timing_line("", "not checked: " + gyro.scale_why_not);
 }
@@ -185,7 +196,7 @@ std::string witnesses_text(const Witnesses& witnesses) {
     return fmt::format("{:.3f} +- {:.3f}", estimate.value, estimate.uncertainty);
   };
   return timing_line(
-      "of a command",
+      "of the speed",
       fmt::format("the gyro shows {}, the images {}", share(*witnesses.gyro_share),
                   witnesses.images_share ? share(*witnesses.images_share)
                                          : fmt::format("cannot say: {}", witnesses.images_why_not)));
@@ -200,7 +211,7 @@ std::string servo_text(const Session& session, const session::Quality& quality) 
                                        1e3 * servo.delay_s, 1e3 * servo.delay_uncertainty_s, servo.loop_hz));
   if (servo.fitted)
     text += timing_line(
-        "", fmt::format("measured against the gyro: the error of its latency (+- {:.1f} ms) is in it as well",
+        "", fmt::format("measured against the gyro: the error of its latency (+- {:.1f} ms) is in it, too",
                         1e3 * session.sync.clock[Device::gyro].latency_uncertainty_s));
   text += timing_line("servo scale",
                       fmt::format("{:.4f} +- {:.4f}, {}", servo.scale.value, servo.scale.uncertainty,
@@ -260,8 +271,8 @@ std::string timing_text(const std::filesystem::path& path, const Session& sessio
     return fmt::format("{}\n{}", printable(path.string()), timing_line("timing", reprocess_advice(path)));
   const SyncReport& sync = session.sync;
   const std::string simulated = session.raw.header.simulated ? " (SIMULATED)" : "";
-  std::string text = fmt::format("{}{}\n\n{}\n{}", printable(path.string()), simulated, clock_table(sync),
-                                 bound_table(sync));
+  std::string text = fmt::format("{}{}\n\n{}\n{}\n{}", printable(path.string()), simulated, clock_table(sync),
+                                 bound_table(sync), gap_table(sync));
   if (const std::string breaks = breaks_text(session); !breaks.empty()) text += fmt::format("\n{}", breaks);
   text += fmt::format(
       "\n{}{}{}",

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "print/number_json.h"
 #include "print/output.h"
@@ -53,8 +54,15 @@ void print_constants(const std::filesystem::path& session, const Constants& cons
   Table table({"constant", ">profile", ">this session", ""});
   for (const CheckedConstant& one : constants)
     table.add({one.name, value_text(one.profile, one.unit), value_text(one.session, one.unit),
-               fmt::format("{}{}", name_of(one.verdict), one.why.empty() ? "" : ": " + one.why)});
-  print("\nsession  {}\n\n{}", printable(session.string()), table.text());
+               std::string(name_of(one.verdict))});
+  std::istringstream rows(table.text());
+  std::string text, row;
+  std::getline(rows, row);
+  for (text = row + "\n"; const CheckedConstant& one : constants) {  // each row, and below it why
+    std::getline(rows, row);
+    text += row + "\n" + (one.why.empty() ? "" : "  " + printable(one.why) + "\n");
+  }
+  print("\nsession  {}\n\n{}", printable(session.string()), text);
   for (const auto& [advice, names] : advice_of(constants))
     print("  try: {} ({})\n", printable(advice), printable(names));
   flush_output();

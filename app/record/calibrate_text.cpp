@@ -26,7 +26,7 @@ std::string line(const std::string& name, const std::string& words) {
 }
 
 std::string origin(const std::string& measured_utc) {
-  return measured_utc.empty() ? "an assumption" : "measured " + printable(measured_utc);
+  return measured_utc.empty() ? "default, not measured" : "measured " + printable(measured_utc);
 }
 
 std::string ms_text(double value_s, double uncertainty_s) {
@@ -77,7 +77,7 @@ std::string words_of(const ScaleResult& result, const RigProfile& before) {
                                                 origin(gyro.scale_measured_utc)));
   if (!result.servo_scale)
     return text +
-           line("servo scale", "not measured here: every session tells it, now that the gyro is known");
+           line("servo scale", "not measured here: each session measures it, now that the gyro is known");
   return text + line("servo scale", scale_text(result.servo_scale->value, result.servo_scale->uncertainty)) +
          line("before", fmt::format("{}, {}", scale_text(servo.scale, servo.scale_uncertainty),
                                     origin(servo.scale_measured_utc)));

@@ -136,7 +136,8 @@ class MessagePrinter {
   void print(const Message& message) {
     const std::uint64_t index = count_++;
     if (index >= most_) return;
-    const std::string line = json_ ? json_line(message_json(message, index)) : text_of(message, index) + "\n";
+    const std::string line =
+        json_ ? json_line(message_json(message, index)) : folded(text_of(message, index) + "\n");
     write_to(stdout, line);
   }
 
@@ -168,8 +169,7 @@ void learn(const Message&, Learnt&) {}
 std::string remark_on_zeros(const AutoZero& zeros) {
   return fmt::format(
       "the rates are exactly 0 about all axes for {} samples in a row: this gyro zeroes itself at rest and "
-      "so "
-      "hides its bias; switch that off in the device (WitMotion: registers 61 and 63)",
+      "so hides its bias; switch that off in the device (WitMotion: registers 61 and 63)",
       count_text(zeros.longest()));
 }
 

@@ -68,7 +68,7 @@ void add_export(CLI::App& root, ExportOptions& options) {
     command
         .add_option("--batch", options.batch,
                     "ONNX with a fixed batch of N, for engines that need one (1 to 65536)")
-        ->check(CLI::Range(1, 65'536))
+        ->check(within(1, 65'536))
         ->type_name("N");
   });
   in_group(command, "C sources for small boards", [&] { add_c_sources(command, options); });

@@ -119,7 +119,7 @@ TEST_F(CommandLine, LeavesTheFileThatFollowsAnOptionToTheCommand) {
   }
   for (const char* words : {"live --replay none.h5 --estimators gyro,odometer left",
                             "record -e garden --simulated --fast --speeds 30,60 left"})
-    EXPECT_THAT(run(words).err, HasSubstr("The following argument was not expected: left")) << words;
+    EXPECT_THAT(run(words).err, HasSubstr("\"left\" was not expected")) << words;
 }
 
 TEST_F(CommandLine, TakesNoOptionForTheValueThatMayBeLeftOut) {
@@ -154,7 +154,16 @@ TEST_F(CommandLine, NamesTheValueThatIsNearest) {
   EXPECT_THAT(run("calibrate lattency").err, HasSubstr("did you mean \"latency\"?"));
   // Not that --environment is missing: the slip is in the word that stands for it.
   EXPECT_THAT(run("record --enviroment a").err,
-              HasSubstr("not expected: --enviroment\n  try: did you mean --environment?"));
+              HasSubstr("there is no option --enviroment\n  try: did you mean --environment?"));
+}
+
+TEST_F(CommandLine, SaysWhatToWriteForAnOptionThatIsGone) {
+  for (const char* word : {"end", "frame"})
+    EXPECT_THAT(run("record -e a --simulated --sync " + std::string(word)).err,
+                HasSubstr("--sync takes milliseconds"))
+        << word;
+  EXPECT_THAT(run("train a.h5 --cache=/var/tmp").err, HasSubstr("allow more --memory"));
+  EXPECT_THAT(run("evaluate --study a.h5 -o b --job 4").err, HasSubstr("--shard I/N"));
 }
 
 TEST_F(CommandLine, CompletesCommandsOptionsAndValues) {
@@ -222,7 +231,7 @@ TEST_F(CommandLine, RefusesAValueThatIsEmptyWhateverOptionItIsOf) {
 TEST_F(CommandLine, SaysWhichNumberIsNone) {
   EXPECT_THAT(run("record --environment garden --speeds 30deg").err,
               HasSubstr("--speeds = 30deg is not a number"));
-  EXPECT_THAT(run("view --page-port 70000 x.h5").err, HasSubstr("70000 not in range 0 to 65535"));
+  EXPECT_THAT(run("view --page-port 70000 x.h5").err, HasSubstr("70000 is not a number from 0 to 65535"));
 }
 
 TEST_F(CommandLine, RefusesARateOrASpeedThatNoRigHas) {

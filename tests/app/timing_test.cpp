@@ -98,7 +98,7 @@ TEST_F(Timing, ListsGapsAndEpochsAndCountsThemAgainstTheSession) {
   for (const char* part :
        {"camera 4.00 s to 4.50 s, 3 missing", "and 2 more of the camera",
         "servo at 4.25 s: the micro-controller was reset", "the times of the gyro are known to 12.5 ms",
-        "verdict       bad", "try           again "})
+        "verdict       bad", "try           record again "})
     EXPECT_THAT(outcome.out, HasSubstr(part));
   EXPECT_EQ(run("inspect --timing --check " + path.string()).code, 9);
   EXPECT_EQ(run("inspect --check " + path.string()).code, 9);

@@ -31,7 +31,8 @@ TEST(CalibrateScaleByMarks, SaysWhyATurnDoesNotTell) {
   const Recorded still = turned_by_hand(rig_with(1), 0.0);
   EXPECT_THAT(refusal([&] { measure_scale_by_marks(still.session, 360.0); }), HasSubstr("was not turned"));
   const session::Session empty;
-  EXPECT_THAT(refusal([&] { measure_scale_by_marks(empty, 360.0); }), HasSubstr("bias cannot be told"));
+  EXPECT_THAT(refusal([&] { measure_scale_by_marks(empty, 360.0); }),
+              HasSubstr("do not show the gyro's bias"));
   session::Session holed = turned_by_hand(rig_with(1), 360.0).session;
   const auto middle = holed.gyro.begin() + static_cast<std::ptrdiff_t>(holed.gyro.size() * 2 / 5);
   holed.gyro.erase(middle, middle + 40);

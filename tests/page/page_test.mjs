@@ -628,7 +628,7 @@ describe('connection', () => {
   test('a wrong token and a missing one say what to do', async () => {
     for (const fragment of ['', '#t=', '#t=nonsense', `#t=${'f'.repeat(32)}`]) {
       const { tab } = await page([], { url: `http://127.0.0.1:${server.port}/${fragment}` });
-      await until(async () => /open the URL that thermorig printed/.test(await textOf(tab, '#warnings')), `advice for "${fragment}"`);
+      await until(async () => /Open the address that thermorig printed/.test(await textOf(tab, '#warnings')), `advice for "${fragment}"`);
       assert.equal(await textOf(tab, '#mode-word'), 'NOT CONNECTED', fragment);
       assert.ok(await hidden(tab, 'stop'), 'no button that would stop nothing');
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a hostile page, another user or a broken client tries. docs/live_page.md has the same list.
+// What a hostile page, another user or a broken client tries. Decision 9 has the same list.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

@@ -57,7 +57,7 @@ std::string_view data_name(std::string_view target);
 /// The order of /stop, /mark or /start.
 OrderKind order_kind(std::string_view target);
 
-/// Everything that is checked before a body is read, in the order of docs/live_page.md: host, target, method,
+/// Everything that is checked before a body is read, in the order of decision 9: host, target, method,
 /// origin, type of content, token, permission to start. Nothing if all is well.
 std::optional<Refusal> check(const RequestHead& head, const Gate& gate);
 

@@ -65,7 +65,7 @@ Found found_at(const std::vector<fs::path>& paths) {
   throw Error(
       ExitCode::bad_usage,
       journals.empty() ? "there is no session (.h5) in it"
-                       : "there is no session (.h5) in it, but a journal of which one can be made",
+                       : "it holds no session (.h5), but a journal that recover makes one of",
       place.string(),
       journals.empty()
           ? "record some: thermorig record --simulated --fast --environment garden --plan table-one"

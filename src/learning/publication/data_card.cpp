@@ -96,10 +96,10 @@ std::string splits_section(const std::vector<Entry>& entries) {
 std::vector<std::string> flaws_of(const Terms& terms, const std::vector<Entry>& entries) {
   std::vector<std::string> flaws;
   const Totals totals = totals_of(entries);
-  flaws.push_back(fmt::format(
-      "{} of {} frames within legs are not valid; the reasons, of which a frame may have several, "
-      "are counted below.",
-      totals.swept - totals.valid, totals.swept));
+  flaws.push_back(
+      fmt::format("{} of {} frames within legs are not valid. Their reasons are counted below; "
+                  "a frame may have several.",
+                  totals.swept - totals.valid, totals.swept));
   for (const Entry& entry : entries)
     if (entry.session.quality.verdict != "good")
       flaws.push_back(

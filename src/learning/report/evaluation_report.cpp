@@ -116,9 +116,8 @@ Section sigma_section(const Evaluation& evaluation) {
   Table table;
   table.name = "sigma";
   table.caption = fmt::format(
-      "What Kg states of the rate from the images, beside its errors against the shaft; fusion in "
-      "expectation "
-      "over a gyro that is off by {:g} deg/s",
+      "Standard deviation that Kg states for the rate from the images, and how many errors against the shaft "
+      "lie within it; fusion: expected RMSE beside a gyro that is off by {:g} deg/s",
       study::expected_gyro_dps);
   table.header = {"environment", "median sigma, deg/s", "within one",
                   "within two",  "Kg, 5 to 95 %",       "fusion RMSE"};

@@ -57,8 +57,8 @@ Paragraph unit(const StudyView& view) {
 Paragraph mixture() {
   return {
       "The results were computed with kernels of more than one instruction set. These round differently, "
-      "which moves a fold by less than another seed does. Which result is of which stands in the result "
-      "files and in report.json."};
+      "which moves a fold by less than another seed does. The result files and report.json "
+      "name the instruction set of each."};
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ constexpr double next_stretch = 2.0;
 
 BiasResult measure_bias(const session::Session& session) {
   if (session.sync.gyro.zeroes_itself)
-    refuse_bias("this gyro sets itself to zero while it rests, so a rest cannot tell its bias",
+    refuse_bias("this gyro sets itself to zero while it rests, so a rest does not show its bias",
                 "switch that off in the gyro's own settings, if it has such; else leave the bias as it is");
   const auto resting = resting_gyro(session.servo, session.gyro);
   if (!resting)

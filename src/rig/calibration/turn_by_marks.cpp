@@ -81,7 +81,7 @@ std::optional<Turn> longest_turn(const session::Session& session, const RestingG
 ScaleResult measure_scale_by_marks(const session::Session& session, double angle_deg) {
   const auto resting = resting_gyro(session.servo, session.gyro);
   if (!resting || session.sync.gyro.zeroes_itself)
-    refuse_scale("the gyro's bias cannot be told from the rests around the turn",
+    refuse_scale("the rests around the turn do not show the gyro's bias",
                  "leave the rig alone for 10 s before and after the turn");
   const auto turn = longest_turn(session, *resting);
   if (!turn) refuse_scale("the rig was not turned", "turn the whole rig by hand from one mark to the other");

@@ -195,7 +195,7 @@ Check clock_check(const HostFacts& facts) {
   } else if (facts.clock_source == "acpi_pm" || facts.clock_source == "hpet") {
     check.warning = true;
     check.result += ": each look at it takes about a microsecond, and the kernel had a reason to leave tsc";
-    check.advice = "journalctl -k | grep -i clocksource tells the reason";
+    check.advice = "journalctl -k | grep -i clocksource shows the reason";
   }
   return check;
 }
@@ -222,7 +222,7 @@ Check power_check(const HostFacts& facts) {
 }
 
 Check plugin_check(const HostFacts& facts) {
-  Check check{.name = "HDF5 plugins", .result = "no folder of them is named"};
+  Check check{.name = "HDF5 plugins", .result = "HDF5_PLUGIN_PATH is not set"};
   if (facts.plugin_path) {
     check.warning = true;
     check.result =

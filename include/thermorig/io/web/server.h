@@ -34,7 +34,7 @@ struct Order {
 /// The bytes of /data/NAME, or nothing: there is no such thing. May throw.
 using Data = std::function<std::optional<std::string>(std::string_view name)>;
 
-/// docs/live_page.md says what is checked, in which order, and what the limits are.
+/// Decision 9 says what is checked, in which order, and what the limits are.
 struct ServerOptions {
   using Time = std::chrono::steady_clock::time_point;
   std::uint16_t port = 8650;  // 0: any that is free

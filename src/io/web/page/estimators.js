@@ -75,8 +75,8 @@ export function stateText({ state, reason }) {
 function valueText(name, value) {
   const digits = Math.abs(value) < 0.1 && name !== 'gain' ? 4 : 2;
   if (name === 'gain') return `Kg ${fixed(value, digits)}`;
-  const [, words, unit] = /^(.*?)(?:_(dps|deg|s))?$/s.exec(plain(name, 40));
-  return `${words.replaceAll('_', ' ')} ${fixed(value, digits)}${unit === undefined ? '' : ` ${units[unit]}`}`;
+  const [, words, unit] = /^(.*?)(?:_(dps|deg|s|c))?$/s.exec(plain(name, 40));
+  return `${words === 'nis' ? 'NIS' : words.replaceAll('_', ' ')} ${fixed(value, digits)}${unit === undefined ? '' : ` ${units[unit]}`}`;
 }
 
 /** The named values of an estimate that are known. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The page of a live run: docs/live_messages.md says what comes, docs/live_page.md who may ask for it.
+// The page of a live run: docs/live_messages.md says what comes, decision 9 who may ask for it.
 import { Band } from './band.js';
 import { Connection } from './connection.js';
 import { EstimatorTable } from './estimator_table.js';
@@ -205,11 +205,11 @@ function take(message) {
 }
 
 function refuse() {
-  const other = connection?.token ? 'This address is not, or no longer, the one of the running program' : 'This address has no token of a program';
+  const other = connection?.token ? 'This address is of another program or of an earlier run' : 'This address has no token';
   band.refused();
   refused = true;
   byId('stop').hidden = true;  // it would stop nothing
-  warnings.set('token', `${other}: open the URL that thermorig printed (its end is #t=…).`);
+  warnings.set('token', `${other}. Open the address that thermorig printed (it ends with #t=…).`);
 }
 
 /** Over everything but the band: nothing comes, and what is seen is old. */

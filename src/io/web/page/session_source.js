@@ -77,7 +77,7 @@ class ServedSession {
     } catch {
       throw new Error('The program does not answer: it has ended, or its computer sleeps. Start thermorig view again.');
     }
-    if (answer.status === 401) throw new Error('This address is not that of the running program: open the URL that thermorig printed (its end is #t=…).');
+    if (answer.status === 401) throw new Error('This address is of another program or of an earlier run. Open the address that thermorig printed (it ends with #t=…).');
     if (!answer.ok) throw new Error(`The program answered ${answer.status}.`);
     return new Uint8Array(await answer.arrayBuffer());
   }

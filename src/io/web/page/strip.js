@@ -58,7 +58,7 @@ export class Strip {
       axes: [
         { ...shared, space: 60, size: axis ? 22 : 0, ticks: { ...shared.ticks, show: axis },
           values: (plot, splits) => splits.map((at) => (axis ? clock(at) : '')) },
-        { ...shared, size: 44, gap: 3, space: 26, ...(this.ticks && { splits: () => this.ticks }),
+        { ...shared, size: 44, gap: 3, space: (plot, axis, low, high, height) => Math.min(26, Math.max(16, height / 4)), ...(this.ticks && { splits: () => this.ticks }),
           values: (plot, splits) => splits.map((at) => fixed(at, splits.some((other) => other % 1 !== 0) ? 1 : 0)) },
       ],
       series: [{}, ...this.lines.map(({ style }) => ({ stroke: () => colourOf(style.colour), width: style.width, dash: style.dash,

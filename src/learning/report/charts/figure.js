@@ -39,6 +39,7 @@ function withLegend(option) {
   option.legend = { ...option.legend, show: true, top: 0, left: 'center', width: width - 20, itemWidth: 34, itemHeight: 9,
     itemGap: 18, textStyle: { color: theme.ink, fontSize: 11 } };
   for (const series of option.series) if (series.showSymbol === false) series.symbol = 'none';
+  if (option.series.every((series) => series.symbol === 'none')) option.legend.itemStyle = { opacity: 0 };  // else a circle on each line
   option.grid.top = row * legendRows(names);
   return option;
 }
@@ -74,9 +75,9 @@ function ascii(text) {
     .replace(/[\ud800-\udfff]/g, '?').replace(/[\u0080-\uffff]/g, (one) => `&#${one.charCodeAt(0)};`);
 }
 
-/** Without what a page would do under a pointer. */
+/** Without what a page would do under a pointer, and with letters where rsvg-convert sets them, too: it knows no dominant-baseline. */
 function still(svg) {
-  return svg.replace(/<style[\s\S]*?<\/style>\n?/g, '').replace(/ (?:ecmeta_[a-z_]+|class|pointer-events)="[^"<>]*"/g, '');
+  return svg.replace(/dominant-baseline="central"/g, 'dy="0.35em"').replace(/<style[\s\S]*?<\/style>\n?/g, '').replace(/ (?:ecmeta_[a-z_]+|class|pointer-events)="[^"<>]*"/g, '');
 }
 
 /** `chart`: as ../document.h describes it; `remark`: what has to be seen beside it, or nothing. */
