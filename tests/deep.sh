@@ -20,7 +20,7 @@ part "clang-tidy over what changed" python3 tests/tidy.py build-asan
 rm -rf build-asan/coverage && mkdir build-asan/coverage # what is not there gets no counts
 # Not what only the release runs: long series, which say how large errors are, and slow tests whose code others run.
 part "unit tests with AddressSanitizer and UBSan" ctest --test-dir build-asan --output-on-failure -j "$(nproc)" -LE rig \
-  -E "^(Cores/|$(paste -sd'|' tests/release_only.txt))"
+  -E "^(Cores/|($(paste -sd'|' tests/release_only.txt))( |/|\$))"
 part "line coverage" bash tests/coverage.sh --counted
 # Not the drills, which measure how soon the shaft rests: what they run is run on virtual ports.
 part "tests on the clock with AddressSanitizer and UBSan" bash tests/wall_clock.sh build-asan -L rig -E Drill
@@ -42,10 +42,10 @@ part usb_guest far usb_guest "${build_files[@]}" {src,include/thermorig}/{core,i
 # Instructions are counted right beside whatever else runs.
 page_slurm_and_costs() {
   bash tests/bench/costs.sh &
-  local costs=$!
-  bash tests/page/run.sh build
-  bash tests/slurm/run.sh build
-  wait "$costs"
+  local costs=$! code=0
+  { bash tests/page/run.sh build && bash tests/slurm/run.sh build; } || code=$?
+  wait "$costs" || code=$?
+  return "$code"
 }
 part "page in a browser, slurm, and costs in instructions" page_slurm_and_costs
 

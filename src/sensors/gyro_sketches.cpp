@@ -250,7 +250,7 @@ std::string remark_on_resolution(std::size_t decimals, double scale_dps) {
 static std::string remark_on_few(double rate_hz) {
   if (rate_hz >= usual_frames_hz) return "";
   return fmt::format(
-      "{:g} a second are too few samples: most frames of a camera hold none and are not valid; let it print "
+      "{:g} a second are too few samples: a frame that holds none is not valid; let it print "
       "50 a second or more (its delay, its baud rate), and say so (output_rate_hz in [gyro] of the profile)",
       rate_hz);
 }

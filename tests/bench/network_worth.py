@@ -14,7 +14,7 @@ def rows_of(report):
     rows = {}
     for part in [*report["environments"], {"name": "all", "shaft_errors": report["shaft_errors"], "sigma": report["sigma"]}]:
         row = {who: error["rmse_dps"] for who, error in part["shaft_errors"].items()} | part["sigma"]
-        # An estimator that said nothing has no error: not a number, by which no goal is met.
+        # An estimator that said nothing has no error: not a number, which meets no goal.
         rows[part["name"]] = {who: math.nan if value is None else value for who, value in row.items()}
     return rows
 

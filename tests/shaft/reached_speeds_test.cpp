@@ -80,7 +80,9 @@ TEST(ReachedSpeeds, ASpeedThatIsNotReachedIsNamedWithTheOneThatWas) {
 TEST(ReachedSpeeds, OfAGyroThatSendsOnceASecondAreThoseBetweenItsReversals) {
   Sweep sweep{both_ways};
   sweep.gyro_period_s = 1.0;
-  for (const ReachedSpeed& speed : sweep.reached()) EXPECT_NEAR(speed.reached_dps, speed.rate_dps, 0.01);
+  const std::vector<ReachedSpeed> reached = sweep.reached();
+  EXPECT_EQ(reached.size(), both_ways.size());
+  for (const ReachedSpeed& speed : reached) EXPECT_NEAR(speed.reached_dps, speed.rate_dps, 0.01);
 }
 
 TEST(ReachedSpeeds, AScaleThatAllShareIsNoContradiction) {

@@ -13,7 +13,7 @@ namespace thermorig::network {
 /// windows, those for which both sensors have something to say.
 void clear_unsound_frames(Acquisition& acquisition);
 
-/// The same of one frame's pixels.
+/// Whether all pixels of a frame are numbers within -60..400 degC.
 bool is_sound_image(std::span<const float> temp_c);
 
 }  // namespace thermorig::network

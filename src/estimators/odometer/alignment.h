@@ -36,7 +36,7 @@ struct Slope {
 };
 
 /// Registers half-frames against the panorama: the azimuth at which its pixels fit best, by Gauss-Newton with
-/// a robust loss, and how well they tell it.
+/// a robust loss, and how well they fix it.
 class Alignment {
  public:
   Alignment(const Panorama& panorama, const HeadingFilter& filter, const Lens& lens)

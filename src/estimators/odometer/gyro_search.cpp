@@ -17,7 +17,7 @@ constexpr int most_bias_steps = 64, most_scale_steps = 31;  // to either side
 constexpr std::size_t most_candidates = 2 * (2 * most_bias_steps + 1) * (2 * most_scale_steps + 1);
 constexpr std::size_t most_kept = 64;                     // of a level: each becomes four of the next one
 constexpr double coarse_pixels = 4.0, fine_pixels = 2.0;  // of the lens, a cell
-constexpr std::size_t work_a_step = 300'000;              // looks
+constexpr std::size_t work_a_step = 300'000;              // pairs that are placed
 constexpr double gyro_trust = 0.1, order_trust = 0.05;    // of the likelihood of a mosaic
 constexpr double latency_step_s = 0.020, latency_reach_sigmas = 2.5, latest_s = 0.2;
 constexpr std::array all_orders{RowOrder::at_once, RowOrder::first_to_last, RowOrder::last_to_first};

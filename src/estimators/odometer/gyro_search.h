@@ -14,7 +14,7 @@ namespace thermorig::odometer {
 
 inline constexpr double same_scale = 0.015;  // of one gyro, by two searches or by what was learnt
 
-/// A gyro that searches name: its scale as well.
+/// Whether searches found the scale as well as the rate.
 bool is_scale_known(const Priors& found);
 
 /// The gyro's bias and scale, and in which order the camera exposes its rows, from up to twenty seconds of
@@ -29,7 +29,7 @@ class GyroSearch {
   /// With each new half of the store: a step of bounded work. A search takes the newest halves, and ends up
   /// to a few seconds later; then another one begins.
   void add(const HalfStore& store, const TurnPath& path);
-  /// What was expected, with the bias and scale that the last search has found. Nothing: none has yet. That
+  /// What was expected, with the bias and scale that searches have confirmed. Nothing: none has yet. That
   /// of a rig that rests or turns at one speed knows the rate, and not what of it is bias and what scale.
   /// Where searches found the order of rows, the camera's latency with it as well.
   const std::optional<Priors>& found() const { return found_; }

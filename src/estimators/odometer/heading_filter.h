@@ -58,8 +58,8 @@ class HeadingFilter {
     return (turn.mean_read_dps() - state_[bias]) / state_[scale];
   }
 
-  /// The Jacobian of that, less the map's offset there, by the state (H). `about`: the weight of each node's
-  /// offset; none: of exposed_deg() alone.
+  /// The Jacobian of exposed_deg(), less the map's offset there, by the state (H). `about`: the weight of
+  /// each node's offset; none: of exposed_deg() alone.
   Vector jacobian(const ExposedTurn& turn, double now_s, double now_deg,
                   const std::array<double, nodes>& about = {}) const;
   double variance(const Vector& jacobian) const;  // H P H^T

@@ -52,7 +52,7 @@ class InnovationCount {
   }
   int judged() const { return judged_; }
 
-  /// Fewer than half of the `halves` of the pass could be laid against the map.
+  /// Fewer than half of the `halves` of the pass could be compared with the map.
   bool is_hardly_judged(std::size_t halves) const { return 2 * static_cast<std::size_t>(judged_) < halves; }
 
   bool is_false_map() const { return far_ > most_far * judged_; }

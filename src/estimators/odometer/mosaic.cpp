@@ -91,7 +91,7 @@ void Mosaic::clip(Band& band) {
       temp_c = band.is_read[i] > 0.0F ? std::clamp(temp_c - common_c, -most_c, most_c) : 0.0F;
 }
 
-/// What a look shows on average beyond its neighbours is its own error. Otherwise the mosaic is sharpest
+/// What a pair shows on average beyond its neighbours is its own error. Otherwise the mosaic is sharpest
 /// where nothing seems to move.
 void Mosaic::take_off_errors_of_pairs(std::size_t band) {
   for (const unsigned parity : {0U, 1U}) {

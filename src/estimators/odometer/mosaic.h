@@ -75,7 +75,7 @@ class Mosaic {
   double period_s() const { return placed_.back().period_s; }  // of refresh
 
  private:
-  // A look: two columns of a half-frame, which have both classes of rows.
+  // A pair: two columns of a half-frame, which have both classes of rows.
   static constexpr std::size_t pairs = frame_columns / 2, band_rows = half_rows / bands;
   using Pair = std::array<float, band_rows>;
 
@@ -105,7 +105,7 @@ class Mosaic {
   void add_within_cells(const Hypothesis& hypothesis, std::size_t band, double cell_pixels, Squares& within);
 
   SharedLens lens_;
-  std::array<float, pairs> bearing_turns_{};  // of each look
+  std::array<float, pairs> bearing_turns_{};  // of each pair
   std::vector<Placed> placed_;
   std::vector<float> read_c_;       // of one band
   std::array<Squares, bands> all_;  // of all that was placed

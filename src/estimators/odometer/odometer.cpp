@@ -71,7 +71,7 @@ struct Odometer::Parts {
         start(priors, lens, !camera.link.latency_measured_utc.empty(), front, path) {}
 
   /// `starting`: Start makes a map; `running`: half-frames are registered against it; `locating`: the heading
-  /// is lost, and searched for on the whole circle.
+  /// is lost, or not known yet in a map that was loaded, and searched for on the whole circle.
   enum class Phase : std::uint8_t { starting, running, locating };
 
   Report add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
@@ -364,7 +364,7 @@ bool Odometer::Parts::does_gyro_differ() const {
 }
 
 /// What a search found must first prove itself, at more than one speed; and what the gyro alone has carried
-/// past images that say nothing, past a covered lens say, is no sounder than it was before them.
+/// past images that say nothing, past a covered lens say, is no better known than before them.
 void Odometer::Parts::keep_good_heading(const HalfResult& result, double now_s) {
   if (!result.is_used) return;
   const bool was_alone = now_s - last_used_s > longest_camera_gap_s;
@@ -504,8 +504,8 @@ Priors Odometer::Parts::known_of_gyro() const {
 }
 
 /// Until a map has closed its degrees are as long as the lens makes them, which may be off, and the
-/// gyro's scale was learnt in the same degrees: what the profile says of the one is weighed against what it says
-/// of the other.
+/// gyro's scale was learnt in the same degrees: what the profile says of the one is weighed against what it
+/// says of the other.
 Odometer::Parts::MapDegree Odometer::Parts::map_degree(const Priors& gyro) const {
   if (!front.has_gap() || !(lens_share > 0.0)) return {};
   const double by_gyro2 = (square(priors.scale_sigma) + square(gyro.scale_sigma)) / square(priors.scale);

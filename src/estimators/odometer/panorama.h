@@ -56,8 +56,8 @@ class Panorama {
     Slopes of_azimuth;
     Column known;  // 1 where all of it was seen before, else 0
   };
-  /// Of the ray's pixels; the rest of `look` stays as it is. `reach`: bins to either side over which a slope
-  /// is taken; `smooth`: over three rows.
+  /// Of the ray's pixels; the rest of `predicted` stays as it is. `reach`: bins to either side over which a
+  /// slope is taken; `smooth`: over three rows.
   void predict(const Ray& ray, std::ptrdiff_t reach, bool smooth, Predicted& predicted) const;
   /// All of it but the slopes.
   void predict_mean(const Ray& ray, std::ptrdiff_t reach, Predicted& predicted) const;

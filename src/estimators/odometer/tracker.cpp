@@ -22,10 +22,10 @@ constexpr double blank_squares = 2.0;    // of a pixel: covered lenses show less
 constexpr int settled_halves = 30;
 constexpr double pass_widening = 6.0;  // of what the pass before learnt: these are the same halves
 constexpr double settled_deg = 0.4;
-constexpr int write_comparisons = 10;     // writing a half takes as long as so many looks
+constexpr int write_comparisons = 10;     // writing a half takes as long as so many comparisons
 constexpr int row_work = 2;               // row by row all takes so much longer
 const double box_width = std::sqrt(3.0);  // half of it, in standard deviations
-constexpr double moving_dps = 8.0;        // above it errors of pixels differ from surroundings
+constexpr double moving_dps = 8.0;        // above it errors of pixels can be separated from the surroundings
 
 }  // namespace
 

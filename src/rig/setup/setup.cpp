@@ -120,9 +120,9 @@ void take_gyro_on_trial(const PortFinding& finding, SetupState& state) {
 
 /// What the devices that were found cannot do: few decimals, a frame of two half-frames.
 void say_remarks(const PortFinding& gyro, const RigProfile& profile, SetupWorld& world) {
-  if (const std::string remark = sensors::remark_on_rates(profile.gyro); !remark.empty())
-    world.say(fmt::format("gyro: {}\n", remark));
-  else if (gyro.text_format)
+  const std::string remark = sensors::remark_on_rates(profile.gyro);
+  if (!remark.empty()) world.say(fmt::format("gyro: {}\n", remark));
+  if (gyro.text_format && (remark.empty() || profile.gyro.sketch.empty()))
     for (const std::string& sentence : gyro.text_format->remarks)
       world.say(fmt::format("gyro: {}\n", printable(sentence)));
   if (sensors::camera_protocol(profile.camera.protocol).merges_halves)

@@ -28,7 +28,7 @@ struct Report {
   double rate_sigma_dps = unknown;
   double bias_dps = 0.0, scale = 1.0;     // of the gyro: reading = scale * rate + bias
   double latency_s = 0.0;                 // camera's middle rows against gyro, beyond what the profile says
-  double innovation_deg = unknown;        // of the newest half that was laid against the map, once it tracks
+  double innovation_deg = unknown;        // of the newest half that was compared with the map, once it tracks
   double innovation_sigma_deg = unknown;  // that was expected of it
   RowOrder rows = RowOrder::at_once;      // as the start has found them that ended last
   // By how much: logarithm of its likelihood over that of the best other order. 0: none has compared them.
