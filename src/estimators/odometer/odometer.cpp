@@ -504,8 +504,8 @@ Priors Odometer::Parts::known_of_gyro() const {
 }
 
 /// Until a map has closed its degrees are as long as the lens makes them, which may be off, and the
-/// gyro's scale was learnt in the same degrees: what the profile says of the one is weighed against what it says
-/// of the other.
+/// gyro's scale was learnt in the same degrees: what the profile says of the one is weighed against what it
+/// says of the other.
 Odometer::Parts::MapDegree Odometer::Parts::map_degree(const Priors& gyro) const {
   if (!front.has_gap() || !(lens_share > 0.0)) return {};
   const double by_gyro2 = (square(priors.scale_sigma) + square(gyro.scale_sigma)) / square(priors.scale);
