@@ -449,7 +449,8 @@ void describe(CLI::App& root, Words& words) {
   add_export(root, words.export_);
   group_commands(
       root,
-      {{"Record", {"record", "live", "calibrate", "doctor", "ports", "look", "simulate"}},
+      {{"Rig", {"setup", "ports", "look", "doctor", "calibrate", "simulate"}},
+       {"Record", {"record", "live"}},
        {"Sessions", {"list", "inspect", "view", "annotate", "dataset", "recover", "reprocess", "decode"}},
        {"Network", {"train", "evaluate", "export"}}});
   put_help_last(root);

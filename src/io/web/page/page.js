@@ -223,7 +223,7 @@ function showSilence() {
     warnings.set('silence', '');
     return;
   }
-  warnings.set('silence', run === null ? 'The program has not answered yet; trying again.' : 'The connection to the program is lost; trying again. The run may well go on.');
+  warnings.set('silence', run === null ? 'The program has not answered yet; trying again.' : 'The connection to the program is lost; trying again. The run probably goes on.');
   const last = lastFrame === null ? 'no frame yet' : `last frame ${lastFrame.toLocaleTimeString('en-GB')}`;
   say(byId('silence').firstElementChild, `no data for ${fixed(silent / 1000, 1)} s, ${last}`);
 }
