@@ -14,6 +14,7 @@ constexpr ClockProperties arrival_clock{.tick_s = 1e-6, .wrap_ticks = std::uint6
 
 /// Of a request beyond its wire time: USB sends once a millisecond. A constant beside it is calibrated.
 constexpr auto usual_way_out = std::chrono::microseconds(500);
+constexpr std::size_t most_requests = 8;
 
 const sensors::ServoProtocol& protocol_of(const ServoProfile& profile) {
   return sensors::servo_protocol(profile.protocol);
@@ -60,8 +61,11 @@ ServoDecoder::ServoDecoder(const ServoProfile& profile, const EncoderProfile& en
 void ServoDecoder::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
   pings_.sent(bytes, before_write);
   scanner_.sent(bytes);
-  requested_ = before_write + from_s(timing::shortest_wire_time_s(bytes.size(), baud_));
-  if (answers_with_time_ && !asked_) asked_ = requested_;
+  const HostTime through = before_write + from_s(timing::shortest_wire_time_s(bytes.size(), baud_));
+  if (answers_with_time_ && !asked_) asked_ = through;
+  if (!reads_on_call_) return;
+  requests_.push_back(through);
+  if (requests_.size() > most_requests) requests_.pop_front();
 }
 
 ServoDecoder::Decoded ServoDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
@@ -84,7 +88,7 @@ void ServoDecoder::interrupt(Streams& out) {
   mcu_time_.restart();
   clock_ = timing::PingClock(link_);
   asked_.reset();
-  requested_.reset();
+  requests_.clear();
   epochs_passed_on_ = 1;
   was_away_ = was_away_ || telemetry_.has_value();
   telemetry_.reset();
@@ -114,8 +118,7 @@ void ServoDecoder::sort(wire::ServoMessage&& message, Streams& out) {
 
 TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoState& state) {
   Stamp stamp = timing_.stamp(message.span);
-  const auto requested = std::exchange(requested_, {});
-  if (reads_on_call_ && requested) put_request(*requested, stamp);
+  if (const auto request = request_of(message.span)) put_request(*request, stamp);
   const auto arrival_us = static_cast<std::uint32_t>(to_ns(stamp.time) / 1000);
   TimedServo servo{.state = state,
                    .span = message.span,
@@ -168,6 +171,16 @@ void ServoDecoder::stamp_by_clock(TimedServo& servo, HostTime not_after) {
   clock_.sent({.send_us = servo.mcu_time_us, .not_after = not_after});
   const auto estimate = clock_.at(servo.mcu_time_us);
   if (estimate) put(*estimate, servo.stamp);
+}
+
+/// The newest one that it can be the answer to: a host that was busy has asked again before it has read what
+/// had come meanwhile.
+std::optional<HostTime> ServoDecoder::request_of(const StreamSpan& answer) {
+  std::optional<HostTime> request;
+  const HostTime asked_by = begun_by(answer) - usual_way_out;
+  for (; !requests_.empty() && requests_.front() <= asked_by; requests_.pop_front())
+    request = requests_.front();
+  return request;
 }
 
 /// Its time is that of the instant at which it was asked, cut off to its tick.
