@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -18,6 +19,7 @@ namespace {
 constexpr double mpu6050_counts = 1.0 / 131.0;  // deg/s, at +-250 deg/s, its setting after a reset
 constexpr double usual_noise_dps = 0.05;        // rms of an MPU-6050: PS-MPU-6000A-00, table 6.1
 constexpr double itg3200_counts = 1.0 / 14.375;
+constexpr double usual_frames_hz = 8.0;
 constexpr std::string_view takes_bias_off =
     "it measures the bias as it starts, which takes it to lie still, and subtracts it: what is recorded has "
     "that of its start taken off";
@@ -244,14 +246,27 @@ std::string remark_on_resolution(std::size_t decimals, double scale_dps) {
       decimals, step_dps, usual_noise_dps);
 }
 
+/// Of a gyro that sends fewer samples than a camera frames.
+static std::string remark_on_few(double rate_hz) {
+  if (rate_hz >= usual_frames_hz) return "";
+  return fmt::format(
+      "{:g} a second are too few samples: most frames of a camera hold none and are not valid; let it print "
+      "50 a second or more (its delay, its baud rate), and say so (output_rate_hz in [gyro] of the profile)",
+      rate_hz);
+}
+
 std::string remark_on_rates(const GyroProfile& profile) {
+  std::vector<std::string> remarks{remark_on_few(profile.output_rate_hz)};
   if (const GyroSketch* sketch = find_gyro_sketch(profile.sketch)) {
-    if (!sketch->remark.empty()) return fmt::format("{}: {}", sketch->title, sketch->remark);
-    const std::string resolution = remark_on_resolution(sketch->decimals, sketch->columns.scale_dps);
-    return resolution.empty() ? "" : fmt::format("{} as published: {}", sketch->title, resolution);
+    if (!sketch->remark.empty()) remarks.push_back(fmt::format("{}: {}", sketch->title, sketch->remark));
+    if (const std::string resolution = remark_on_resolution(sketch->decimals, sketch->columns.scale_dps);
+        !resolution.empty())
+      remarks.push_back(fmt::format("{} as published: {}", sketch->title, resolution));
+  } else if (const GyroProtocol& protocol = gyro_protocol(profile.protocol); protocol.remark != nullptr) {
+    remarks.emplace_back(protocol.remark(profile));
   }
-  const GyroProtocol& protocol = gyro_protocol(profile.protocol);
-  return protocol.remark == nullptr ? "" : std::string(protocol.remark(profile));
+  std::erase(remarks, "");
+  return fmt::format("{}", fmt::join(remarks, "; "));
 }
 
 }  // namespace thermorig::sensors

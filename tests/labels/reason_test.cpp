@@ -332,6 +332,19 @@ TEST(Reasons, GyroDisagreesBeyondThreeDeviationsOfBiasScaleAndModel) {
   }
 }
 
+TEST(Reasons, AGyroThatSentNothingWithinAFrameDoesNotDisagree) {
+  ScriptedRig rig;
+  rig.gyro_dps = [](double t) { return t < 2.0 ? 100.0 : 0.0; };
+  rig.config.gyro.emplace(GyroErrors{.bias_dps = Estimate{0.0, 0.1}, .noise_dps = 0.1});
+  Labeller labeller(rig.config);
+  for (int i = 0; i < 300; ++i) labeller.add(rig.servo_at(rig.offset_s + 0.01 * i));
+  for (int i = 0; i < 6; ++i) labeller.add(rig.gyro_at(0.5 * i));
+  labeller.add(rig.frame_at(2.3, 0));
+  const LabelledSample sample = labeller.finish().at(0);
+  EXPECT_TRUE(has(sample, Reason::gyro_gap));
+  EXPECT_FALSE(has(sample, Reason::gyro_disagrees));
+}
+
 TEST(Reasons, ASaturatedGyroIsNotAskedWhetherItAgrees) {
   const ScriptedRig rig;
   LabelConfig config = rig.config;

@@ -93,6 +93,14 @@ TEST(AGyroSketch, OfTwoDecimalsOfRadiansSaysWhatTheyCost) {
               testing::AllOf(HasSubstr("steps of 0.573 deg/s"), HasSubstr("Serial.print(rate, 4)")));
 }
 
+TEST(AGyroSketch, ThatPrintsFewerSamplesThanACameraFramesSaysSo) {
+  EXPECT_THAT(sensors::remark_on_rates(chosen("tockn-mpu6050")),
+              testing::AllOf(HasSubstr("1 a second are too few samples"), HasSubstr("bias")));
+  GyroProfile profile = chosen("tockn-mpu6050");
+  profile.output_rate_hz = 50.0;
+  EXPECT_THAT(sensors::remark_on_rates(profile), testing::Not(HasSubstr("too few")));
+}
+
 TEST(AGyroSketch, IsForgottenWhereAProtocolIsChosen) {
   GyroProfile profile = chosen("tockn-mpu6050");
   sensors::choose_gyro("xsens", profile);

@@ -23,6 +23,7 @@ struct Sweep {
   std::function<double(double)> shaft_dps = [](double commanded) { return commanded; };
   std::function<double(double)> bias_dps = [](double) { return 0.0; };
   double bias_uncertainty_dps = 0.05;
+  double gyro_period_s = 0.005;  // a sample is the mean over it
   ServoKind kind = ServoKind::positional;
 
   std::vector<Interval> legs() const {
@@ -34,13 +35,18 @@ struct Sweep {
     return legs;
   }
 
+  double shaft_at_dps(double t) const {
+    const auto leg = static_cast<std::size_t>(std::max(t, 0.0) / leg_s);
+    return shaft_dps(rates_dps[std::min(leg, rates_dps.size() - 1)]);
+  }
+
   std::vector<ReachedSpeed> reached() const {
     std::vector<TimedGyro> gyro;
-    for (double t = 0.0; t < leg_s * static_cast<double>(rates_dps.size()) + 1.0; t += 0.005) {
-      const std::size_t leg = std::min(static_cast<std::size_t>(t / leg_s), rates_dps.size() - 1);
+    for (double t = 0.0; t < leg_s * static_cast<double>(rates_dps.size()) + 1.0; t += gyro_period_s) {
       TimedGyro sample;
       sample.stamp.time = at_s(t);
-      sample.rate_dps = static_cast<float>(shaft_dps(rates_dps[leg]) + bias_dps(t));
+      const double mean_dps = (shaft_at_dps(t - gyro_period_s / 4) + shaft_at_dps(t + gyro_period_s / 4)) / 2;
+      sample.rate_dps = static_cast<float>(mean_dps + bias_dps(t));
       gyro.push_back(sample);
     }
     GyroErrors errors;
@@ -69,6 +75,12 @@ TEST(ReachedSpeeds, ASpeedThatIsNotReachedIsNamedWithTheOneThatWas) {
   EXPECT_EQ(sweep.named(), (std::vector<double>{-200.0, 200.0}));
   EXPECT_NEAR(sweep.reached().front().reached_dps, -181.0, 0.2);
   EXPECT_NEAR(sweep.reached().back().reached_dps, 181.0, 0.2);
+}
+
+TEST(ReachedSpeeds, OfAGyroThatSendsOnceASecondAreThoseBetweenItsReversals) {
+  Sweep sweep{both_ways};
+  sweep.gyro_period_s = 1.0;
+  for (const ReachedSpeed& speed : sweep.reached()) EXPECT_NEAR(speed.reached_dps, speed.rate_dps, 0.01);
 }
 
 TEST(ReachedSpeeds, AScaleThatAllShareIsNoContradiction) {

@@ -17,6 +17,7 @@ constexpr double slope_error = 0.006;            // relative: a servo's along th
 constexpr double continuous_slope_error = 0.04;  // its speed against the pulse is no straight line
 constexpr double floor_dps = 0.3;
 constexpr double slowest_share_dps = 15.0;  // below it a bias matters more than the servo
+constexpr double slow_gyro_s = 0.1;         // between samples
 constexpr double caught_up_s = 1.0;         // beside the time for the angle that it lags behind
 
 struct Sum {
@@ -95,14 +96,16 @@ std::optional<Estimate> reached_share(const std::vector<ReachedSpeed>& speeds, d
 std::vector<ReachedSpeed> reached_speeds(std::span<const Interval> legs, const GyroIntegral& gyro,
                                          double bias_uncertainty_dps, ServoKind kind) {
   std::map<long long, Sum> sums;  // by centidegrees per second
+  // A sample stands for half a period on either side: of a slow gyro, for a part of the ramps.
+  const double beside_s = gyro.period_s() > slow_gyro_s ? gyro.period_s() / 2.0 : 0.0;
   for (const Interval& leg : legs) {
-    const double begin_s = leg.begin_s + settled_after_s;
-    if (leg.leg == 0 || !(begin_s < leg.end_s)) continue;
-    const double mean_dps = gyro.mean_dps(begin_s, leg.end_s);
+    const double begin_s = leg.begin_s + settled_after_s + beside_s, end_s = leg.end_s - beside_s;
+    if (leg.leg == 0 || !(begin_s < end_s)) continue;
+    const double mean_dps = gyro.mean_dps(begin_s, end_s);
     if (!std::isfinite(mean_dps)) continue;
     Sum& sum = sums[std::llround(100.0 * leg.rate_dps)];
-    sum.angle_deg += mean_dps * (leg.end_s - begin_s);
-    sum.length_s += leg.end_s - begin_s;
+    sum.angle_deg += mean_dps * (end_s - begin_s);
+    sum.length_s += end_s - begin_s;
   }
   std::vector<ReachedSpeed> speeds;
   for (const auto& [centi_dps, sum] : sums)

@@ -104,7 +104,7 @@ double label_deviation_dps(const ServoResponse& response, double commanded_dps, 
 /// gyro and model, and the scale between both. `bias_dps`: at that time. 0 where nothing can be said.
 double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
                     double noise_dps, double bias_dps, double shaft_dps, double time_dps) {
-  if (gyro.count == 0 || gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return 0.0;
+  if (gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return 0.0;
   const double ratio = response.gyro_ratio.value / response.scale.value;
   const double corrected_dps = (gyro.rate_dps - bias_dps) / errors.scale.value;
   const double off_dps = corrected_dps - ratio * shaft_dps;
@@ -501,7 +501,7 @@ std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMea
 bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps,
                               double spread_dps) const {
   if (contradicts_command(response_, sample.rate_commanded_dps)) return true;
-  if (std::isnan(sample.rate_shaft_dps)) return false;
+  if (std::isnan(sample.rate_shaft_dps) || gyro.count == 0) return false;
   if (std::isfinite(sample.rate_measured_dps)) return gyro_disagrees_with_sensor(sample, gyro, noise_dps);
   // Whole samples stand for an exposure that begins and ends anywhere between two of them.
   const double time_s =
@@ -518,7 +518,7 @@ bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro
 bool Labeller::gyro_disagrees_with_sensor(const LabelledSample& sample, const GyroMean& gyro,
                                           double noise_dps) const {
   const GyroErrors& errors = bias_.errors();
-  if (gyro.count == 0 || gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return false;
+  if (gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return false;
   const double corrected_dps = (gyro.rate_dps - bias_dps_at(errors, sample.time)) / errors.scale.value;
   const double measured_dps = sample.rate_measured_dps;
   const double time_dps = measured_time_error_dps(
