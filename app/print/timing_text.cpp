@@ -38,7 +38,8 @@ std::string clock_table(const SyncReport& sync) {
   for (const Device device : all_devices) {
     const ClockReport& clock = sync.clock[device];
     if (clock.method.empty()) {
-      table.add({std::string(name_of(device)), "none", "-", "-", "-", "-", "-", "-", "-"});
+      const std::string skew = clock.skew_ppm == 0.0 ? "-" : signed_count(clock.skew_ppm);
+      table.add({std::string(name_of(device)), "none", "-", skew, "-", "-", "-", "-", "-"});
       continue;
     }
     table.add({std::string(name_of(device)), clock.method, fmt::format("{:.3f}", clock.rate_hz),
@@ -216,6 +217,10 @@ std::string servo_text(const Session& session, const session::Quality& quality) 
   text += timing_line("servo scale",
                       fmt::format("{:.4f} +- {:.4f}, {}", servo.scale.value, servo.scale.uncertainty,
                                   calibrated_text(servo.scale_calibrated, profile.scale_measured_utc)));
+  const ClockReport& clock = session.sync.clock[Device::servo];
+  if (clock.method.empty() && clock.skew_ppm != 0.0)
+    text += timing_line("servo speeds", fmt::format("{:.5f} of what it states, by the steps it reports",
+                                                    1.0 / (1.0 + 1e-6 * clock.skew_ppm)));
   if (std::isfinite(quality.gyro_residual_dps))
     text += timing_line("residual",
                         fmt::format("{:.2f} deg/s RMS, corrected gyro minus servo model, valid frames",

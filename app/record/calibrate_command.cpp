@@ -121,9 +121,10 @@ void ask_for_turn(const CalibrateOptions& options, const rig::SweepPlan& plan) {
 /// Records the session of the calibration.
 CalibrationRecording record_for(const CalibrateOptions& options, ChosenRig rig, const rig::SweepPlan& plan) {
   const RecordOptions& record = options.record;
-  if (options.kind == rig::CalibrationKind::encoder && rig.simulated && !rig.simulated->has_encoder)
+  if (options.kind == rig::CalibrationKind::encoder && rig.simulated &&
+      !simulation::measures_shaft(*rig.simulated))
     throw Error(ExitCode::bad_usage, "nothing measures the shaft of this simulated rig", "",
-                "--simulated-encoder as5600");
+                "--simulated-encoder as5600, or --simulated-servo dynamixel or sts3215");
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
   require_output(record, rig, plan);
   if (turned_by_hand(options, plan)) {

@@ -65,7 +65,7 @@ nlohmann::json preflight_json(const std::optional<rig::PreflightReport>& report)
                       {"swing_dps", facts.rest->swing_dps},
                       {"zeroes_itself", facts.rest->zeroes_itself}};
   if (facts.answers)
-    object["answers"] = {{"pings", facts.answers->pings},
+    object["answers"] = {{"requests", facts.answers->requests},
                          {"answered", facts.answers->answered},
                          {"round_trip_s", facts.answers->round_trip_s},
                          {"firmware", facts.answers->firmware}};

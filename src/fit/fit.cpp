@@ -231,6 +231,7 @@ Fits fit_recording(const RawRecording& raw, Streams streams, const RunAll& run_a
                          : std::nullopt;
   if (scale) {
     fits.servo_rate_scale = *scale;
+    clocks[Device::servo].report.skew_ppm = 1e6 * (1.0 / *scale - 1.0);
     for (TimedServo& servo : streams.servo) servo.state.rate_dps *= *scale;
   }
 

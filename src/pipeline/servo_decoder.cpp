@@ -12,8 +12,21 @@ namespace {
 /// Of the host's microseconds in 32 bits, where a servo has no time of its own.
 constexpr ClockProperties arrival_clock{.tick_s = 1e-6, .wrap_ticks = std::uint64_t{1} << 32U};
 
+/// Of a request beyond its wire time: USB sends once a millisecond. A constant beside it is calibrated.
+constexpr auto usual_way_out = std::chrono::microseconds(500);
+constexpr std::size_t most_requests = 8;
+
 const sensors::ServoProtocol& protocol_of(const ServoProfile& profile) {
   return sensors::servo_protocol(profile.protocol);
+}
+
+/// What was read as soon as it was asked for, where its answer came later than that.
+void put_request(HostTime requested, Stamp& stamp) {
+  const HostTime time = requested + usual_way_out;
+  if (time >= stamp.time) return;
+  stamp.later_s += static_cast<float>(to_s(stamp.time - time));
+  stamp.earlier_s = stamp.uncertainty_s = static_cast<float>(to_s(usual_way_out));
+  stamp.time = time;
 }
 
 /// Readings may lie a little before the telemetry that came before them; the clock may have wrapped.
@@ -34,10 +47,12 @@ ServoDecoder::ServoDecoder(const ServoProfile& profile, const EncoderProfile& en
       final_times_(fits.times[Device::servo]),
       baud_(profile.link.baud),
       sends_time_(protocol_of(profile).clock.sends_time()),
+      reads_on_call_(!sends_time_ && !protocol_of(profile).shaft_sensor.empty()),
       mcu_clock_(sends_time_ ? protocol_of(profile).clock : arrival_clock),
       mcu_time_(mcu_clock_),
       pings_(profile.link.baud),
       clock_(profile.link),
+      answers_with_time_(sends_time_ && protocol_of(profile).is_silent),
       is_causal_(fits.times[Device::servo].empty()),
       rate_scale_(fits.servo_rate_scale),
       encoder_latency_(from_s(encoder.latency_s)),
@@ -46,6 +61,11 @@ ServoDecoder::ServoDecoder(const ServoProfile& profile, const EncoderProfile& en
 void ServoDecoder::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
   pings_.sent(bytes, before_write);
   scanner_.sent(bytes);
+  const HostTime through = before_write + from_s(timing::shortest_wire_time_s(bytes.size(), baud_));
+  if (answers_with_time_ && !asked_) asked_ = through;
+  if (!reads_on_call_) return;
+  requests_.push_back(through);
+  if (requests_.size() > most_requests) requests_.pop_front();
 }
 
 ServoDecoder::Decoded ServoDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
@@ -67,6 +87,8 @@ void ServoDecoder::interrupt(Streams& out) {
   timing_.restart();
   mcu_time_.restart();
   clock_ = timing::PingClock(link_);
+  asked_.reset();
+  requests_.clear();
   epochs_passed_on_ = 1;
   was_away_ = was_away_ || telemetry_.has_value();
   telemetry_.reset();
@@ -95,7 +117,8 @@ void ServoDecoder::sort(wire::ServoMessage&& message, Streams& out) {
 }
 
 TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoState& state) {
-  const Stamp stamp = timing_.stamp(message.span);
+  Stamp stamp = timing_.stamp(message.span);
+  if (const auto request = request_of(message.span)) put_request(*request, stamp);
   const auto arrival_us = static_cast<std::uint32_t>(to_ns(stamp.time) / 1000);
   TimedServo servo{.state = state,
                    .span = message.span,
@@ -104,10 +127,12 @@ TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoSta
                    .lost_before = std::exchange(was_away_, false) || message.lost_before};
   if (!sends_time_) servo.state.mcu_us = arrival_us;
   servo.state.rate_dps *= rate_scale_;
-  if (is_causal_)
+  if (is_causal_) {
+    learn_of_answer(servo, begun_by(message.span));
     stamp_by_clock(servo, begun_by(message.span));
-  else
+  } else {
     final_times_.put_next(servo.stamp);
+  }
   if (telemetry_) host_s_per_us_ = host_s_per_us(*telemetry_, servo);
   telemetry_ = servo;
   return servo;
@@ -146,6 +171,27 @@ void ServoDecoder::stamp_by_clock(TimedServo& servo, HostTime not_after) {
   clock_.sent({.send_us = servo.mcu_time_us, .not_after = not_after});
   const auto estimate = clock_.at(servo.mcu_time_us);
   if (estimate) put(*estimate, servo.stamp);
+}
+
+/// The newest one that it can be the answer to: a host that was busy has asked again before it has read what
+/// had come meanwhile.
+std::optional<HostTime> ServoDecoder::request_of(const StreamSpan& answer) {
+  std::optional<HostTime> request;
+  const HostTime asked_by = begun_by(answer) - usual_way_out;
+  for (; !requests_.empty() && requests_.front() <= asked_by; requests_.pop_front())
+    request = requests_.front();
+  return request;
+}
+
+/// Its time is that of the instant at which it was asked, cut off to its tick.
+void ServoDecoder::learn_of_answer(const TimedServo& servo, HostTime not_after) {
+  if (!asked_) return;
+  const std::int64_t tick_us = std::llround(1e6 * mcu_clock_.tick_s);
+  const std::int64_t at_most_us = servo.mcu_time_us + tick_us;
+  clock_.exchange({.receive_us = at_most_us,
+                   .not_before = *std::exchange(asked_, {}),
+                   .send_us = at_most_us,
+                   .not_after = not_after + std::chrono::microseconds(tick_us)});
 }
 
 void ServoDecoder::learn(const TimedPong& pong, HostTime not_after) {

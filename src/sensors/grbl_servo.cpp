@@ -207,12 +207,11 @@ ServoScanner grbl_scanner(const ServoProfile&) {
 
 /// By the last "$100=35.556" that it has listed.
 std::optional<ScaleCause> grbl_scale_cause(double share, std::span<const wire::ServoMessage> answers) {
-  constexpr std::string_view setting = "$100=";
   std::optional<double> steps;
   for (const wire::ServoMessage& answer : answers)
     if (const auto* reply = std::get_if<wire::ServoReply>(&answer.body)) {
-      const std::string_view line(reinterpret_cast<const char*>(reply->data.data()), reply->data.size());
-      if (line.starts_with(setting)) steps = number_of(line.substr(setting.size()));
+      const auto setting = grbl::parse_setting(text_of_line(reply->data));
+      if (setting && setting->number == grbl::steps_setting) steps = setting->value;
     }
   if (!steps || !(*steps > 0.0) || !(share > 0.0)) return std::nullopt;
   return ScaleCause{

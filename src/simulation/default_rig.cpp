@@ -57,6 +57,12 @@ std::unique_ptr<Firmware> make_servo(const VirtualRigConfig& config) {
   return make_host_firmware();
 }
 
+bool measures_shaft(const VirtualRigConfig& config) {
+  const std::string& protocol = config.profile.servo.protocol;
+  if (protocol == ServoProfile().protocol) return config.has_encoder;
+  return protocol == "dynamixel" || protocol == "sts3215";
+}
+
 void put_in_world(const World& world, VirtualRigConfig& config) {
   config.world = world;
   if (world.gyro.bandwidth_hz != World().gyro.bandwidth_hz) config.profile.gyro.bandwidth_hz = 0.0;

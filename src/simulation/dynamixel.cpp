@@ -73,11 +73,12 @@ class Dynamixel final : public SteppedFirmware {
  public:
   Dynamixel(std::uint8_t id, std::uint32_t baud, std::uint64_t seed, const DynamixelHabits& habits,
             const ServoWorld& world)
-      : SteppedFirmware(baud), habits_(habits), servo_(world, seed, 0.0, top_dps) {
-    Random random(seed, "dynamixel");
-    servo_ = PositionServo(world, seed, random.uniform(-60.0, 60.0), top_dps);
-    error_phase_rad_ = random.uniform(0.0, 2.0 * std::numbers::pi);
-    first_tick_ms_ = static_cast<std::int64_t>(random.uniform(0.0, 32768.0));
+      : SteppedFirmware(baud),
+        habits_(habits),
+        random_(seed, "dynamixel"),
+        servo_(world, seed, random_.uniform(-60.0, 60.0), top_dps),
+        error_phase_rad_(random_.uniform(0.0, 2.0 * std::numbers::pi)),
+        first_tick_ms_(static_cast<std::int64_t>(random_.uniform(0.0, 32768.0))) {
     table_[0] = dynamixel_model & 0xFFU;
     table_[1] = dynamixel_model >> 8U;
     table_[6] = dynamixel_firmware;
@@ -247,12 +248,13 @@ class Dynamixel final : public SteppedFirmware {
   }
 
   DynamixelHabits habits_;
+  Random random_;
+  PositionServo servo_;
+  double error_phase_rad_;
+  std::int64_t first_tick_ms_;
   std::array<std::uint8_t, table_bytes> table_{};
   std::vector<std::uint8_t> packet_;
   std::int64_t last_heard_us_ = 0;
-  std::int64_t first_tick_ms_ = 0;
-  double error_phase_rad_ = 0.0;
-  PositionServo servo_;
 };
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t memory_bytes = 71;
 constexpr double counts_a_degree = 4096.0 / 360.0;
-constexpr double sts_top_dps = 276.0;  // 46 revolutions a minute at 12 V
+constexpr double sts_top_dps = 276.0;  // one that was measured at 12 V: TheRobotStudio/SO-ARM100, issue 134
 constexpr double dead_band_counts = 2.0;
 constexpr int counts_of_a_turn = 4096;
 
@@ -48,13 +48,12 @@ enum Cell : std::uint8_t {
 class Sts3215 final : public SteppedFirmware {
  public:
   Sts3215(std::uint8_t id, std::uint32_t baud, std::uint64_t seed, const Sts3215Habits& habits,
-          ServoWorld world)
-      : SteppedFirmware(baud), habits_(habits), servo_(world, seed, 0.0, sts_top_dps) {
-    Random random(seed, "sts3215");
-    world.backlash_deg = std::max(world.backlash_deg, habits.play_deg);
-    world.ripple = std::max(world.ripple, habits.unevenness / 2.0);
-    servo_ = PositionServo(world, seed, random.uniform(-60.0, 60.0), sts_top_dps);
-    error_phase_rad_ = random.uniform(0.0, 2.0 * std::numbers::pi);
+          const ServoWorld& world)
+      : SteppedFirmware(baud),
+        habits_(habits),
+        random_(seed, "sts3215"),
+        servo_(worn(world, habits), seed, random_.uniform(-60.0, 60.0), sts_top_dps),
+        error_phase_rad_(random_.uniform(0.0, 2.0 * std::numbers::pi)) {
     memory_[0] = 3;
     memory_[1] = 10;
     memory_[3] = habits.model;
@@ -76,6 +75,12 @@ class Sts3215 final : public SteppedFirmware {
   std::string description() const override { return "a simulated STS3215"; }
 
  private:
+  static ServoWorld worn(ServoWorld world, const Sts3215Habits& habits) {
+    world.backlash_deg = std::max(world.backlash_deg, habits.play_deg);
+    world.ripple = std::max(world.ripple, habits.unevenness / 2.0);
+    return world;
+  }
+
   // ---- packets: FF FF, ID, length, instruction, parameters, sum ----
 
   void take(const UartByte& byte) override {
@@ -183,11 +188,12 @@ class Sts3215 final : public SteppedFirmware {
   }
 
   Sts3215Habits habits_;
+  Random random_;
+  PositionServo servo_;
+  double error_phase_rad_;
   std::array<std::uint8_t, memory_bytes> memory_{};
   std::vector<std::uint8_t> packet_;
   int goal_counts_ = 0;
-  double error_phase_rad_ = 0.0;
-  PositionServo servo_;
 };
 
 }  // namespace

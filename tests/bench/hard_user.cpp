@@ -96,9 +96,7 @@ HardRecording use(const HardCase& hard) {
        {CalibrationKind::latency, "latency"}}};
   for (const auto& [kind, name] : calibrations)
     calibrate(kind, name, hard, profile, made.refused_calibrations);
-  const bool has_own_sensor =
-      hard.servo != ServoProfile().protocol && !sensors::servo_protocol(hard.servo).shaft_sensor.empty();
-  if (hard.has_encoder || has_own_sensor)
+  if (simulation::measures_shaft(rig_in(hard, hard.environment, hard.world, nullptr)))
     calibrate(CalibrationKind::encoder, "encoder", hard, profile, made.refused_calibrations);
   const rig::test::TemporaryFolder folder;
   try {

@@ -330,5 +330,19 @@ TEST(Misconfigurations, TheFirstThatFailedGivesTheExitCode) {
             ExitCode::storage);
 }
 
+TEST(Misconfigurations, AServoWithoutAWatchdogIsNoneAndHowItRestsIsSaid) {
+  rig::PreflightReport report;
+  report.facts.answers = {.requests = 100,
+                          .answered = 99,
+                          .round_trip_s = 0.004,
+                          .firmware = "3.10",
+                          .limit_rate_dps = 270.0,
+                          .how_it_rests = "it rests where its leg ends"};
+  const std::vector<Check> checks = judge_rig(report);
+  ASSERT_EQ(checks.size(), 2U);
+  EXPECT_EQ(checks[0].result, "firmware 3.10, at most 270 deg/s, no watchdog: it rests where its leg ends");
+  EXPECT_EQ(checks[1].result, "99 of 100 requests, 4.0 ms there and back");
+}
+
 }  // namespace
 }  // namespace thermorig::doctor::test

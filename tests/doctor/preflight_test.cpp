@@ -369,7 +369,7 @@ TEST(Preflight, JudgesClocksAndAnswers) {
   PreflightFacts facts;
   facts.streams[Device::servo] =
       PreflightStream{.messages = 300, .rate_hz = 100, .nominal_hz = 100, .uncertainty_s = 0.012};
-  facts.answers = PreflightAnswers{.pings = 30, .answered = 20, .round_trip_s = 0.09};
+  facts.answers = PreflightAnswers{.requests = 30, .answered = 20, .round_trip_s = 0.09};
   std::vector<std::string> names;
   for (const PreflightViolation& violation : judge(facts, simulation::default_profile()).violations)
     names.push_back(violation.name);

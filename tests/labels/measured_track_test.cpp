@@ -23,16 +23,18 @@ struct MeasuredShaft {
   std::function<double(double)> angle_deg;
   std::function<void(TimedShaft&, double)> spoil = [](TimedShaft&, double) {};
 
+  double period_s = reading_s;
+
   MeasuredTrack track(unsigned seed, double length_s = 2.0) const {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0.0, noise_deg);
     MeasuredTrack track(from_s(10.0));
-    for (int i = 0; i * reading_s <= length_s; ++i) {
+    for (int i = 0; i * period_s <= length_s; ++i) {
       TimedShaft shaft;
-      shaft.stamp.time = instant(i * reading_s);
+      shaft.stamp.time = instant(i * period_s);
       shaft.reading.uncertainty_deg = noise_deg;
-      shaft.angle_deg = angle_deg(i * reading_s) + noise(random);
-      spoil(shaft, i * reading_s);
+      shaft.angle_deg = angle_deg(i * period_s) + noise(random);
+      spoil(shaft, i * period_s);
       track.add(shaft);
     }
     return track;
@@ -87,17 +89,33 @@ TEST(MeasuredTrack, OfAShaftThatStandsAndGoesItStatesHowFarItIsOff) {
     }
 }
 
+/// As servos are read that answer when they are asked.
+TEST(MeasuredTrack, AcrossTheSilenceOfABusyHostItStatesWhatItDoesNotKnow) {
+  for (const double wave_deg : {0.0, 0.3}) {
+    const auto moves = [=](double t) { return 100.0 * t + wave_deg * std::sin(30.0 * t); };
+    const MeasuredShaft shaft{.angle_deg = moves,
+                              .spoil =
+                                  [](TimedShaft& reading, double t) {
+                                    if (t > 0.36 && t < 0.44) reading.angle_deg = std::nan("");
+                                  },
+                              .period_s = 0.024};
+    const double ratio = error_over_stated(shaft, moves);
+    EXPECT_LT(ratio, 1.5) << wave_deg;
+    EXPECT_GT(ratio, 0.3) << wave_deg;
+  }
+}
+
 TEST(MeasuredTrack, ASilenceOrTurnsThatWereCountedAnewLeaveNoSpeed) {
   const auto even = [](double t) { return 100.0 * t; };
   MeasuredShaft shaft{even};
   shaft.spoil = [](TimedShaft& reading, double t) {
-    if (t > 0.5 && t < 0.6) reading.angle_deg = std::nan("");
+    if (t > 0.5 && t < 0.65) reading.angle_deg = std::nan("");
     reading.lost_before = std::abs(t - 1.0) < 1e-9;
   };
   const MeasuredTrack track = shaft.track(1);
-  EXPECT_FALSE(track.angle_deg(instant(0.55)));
-  EXPECT_FALSE(track.rate_dps(instant(0.3), instant(0.55)));
-  EXPECT_TRUE(track.rate_dps(instant(0.45), instant(0.65)));  // no turn was missed meanwhile
+  EXPECT_FALSE(track.angle_deg(instant(0.575)));
+  EXPECT_FALSE(track.rate_dps(instant(0.3), instant(0.575)));
+  EXPECT_TRUE(track.rate_dps(instant(0.45), instant(0.7)));  // no turn was missed meanwhile
   EXPECT_FALSE(track.rate_dps(instant(0.9), instant(1.1)));
   EXPECT_FALSE(track.angle_deg(instant(0.9975)));
   EXPECT_TRUE(track.rate_dps(instant(1.1), instant(1.2)));

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <thread>
@@ -71,6 +72,16 @@ TEST_P(EachBusServo, DrivesAPlanAndItsTelemetryCarriesTheLegs) {
   }
 }
 
+TEST_P(EachBusServo, HasItsValidFramesCountedOnTheWay) {
+  PlanOverrides overrides;
+  overrides.magnitudes_dps = {90.0};
+  const RecordingResult result =
+      record(rig_config(4, GetParam()), load_plan("quick", "garden", 1, overrides));
+  ASSERT_EQ(result.exit, ExitCode::ok) << result.message;
+  for (const RecordingEvent& event : session::read_raw(result.session).events)
+    EXPECT_THAT(event.message, testing::Not(HasSubstr("valid frames short")));
+}
+
 TEST_P(EachBusServo, IsFoundByPortsWithAllThatAProfileNeeds) {
   simulation::VirtualRigConfig config = rig_config(8, GetParam());
   if (config.profile.servo.protocol != "grbl") config.profile.servo.bus_id = 7;
@@ -83,6 +94,22 @@ TEST_P(EachBusServo, IsFoundByPortsWithAllThatAProfileNeeds) {
   EXPECT_EQ(found.protocol, GetParam());
   EXPECT_EQ(found.bus_id, config.profile.servo.bus_id);
   EXPECT_EQ(found.link.baud, config.profile.servo.link.baud);
+}
+
+TEST_P(EachBusServo, OnAPortWithoutABaudRateGetsItsUsualOne) {
+  const simulation::VirtualRigConfig config = rig_config(8, GetParam());
+  VirtualPorts ports(config, simulation::make_servo(config));
+  const auto findings = identify_devices({{.path = ports.paths()[Device::servo]}}, ports);
+  std::vector<std::string> ambiguous;
+  const ServoProfile found = apply_findings(simulation::default_profile(), findings, ambiguous).servo;
+  EXPECT_EQ(found.protocol, GetParam());
+  EXPECT_EQ(found.link.baud, sensors::servo_protocol(GetParam()).bauds.front().baud);
+}
+
+TEST_P(EachBusServo, MeasuresTheSimulatedShaftWhereItsProtocolSaysSo) {
+  simulation::VirtualRigConfig config = rig_config(8, GetParam());
+  config.has_encoder = true;  // which only our own firmware would ask
+  EXPECT_NE(simulation::measures_shaft(config), sensors::servo_protocol(GetParam()).shaft_sensor.empty());
 }
 
 class EachServoWithAnId : public BusServoRig, public ::testing::WithParamInterface<const char*> {};
@@ -135,6 +162,7 @@ TEST_F(GrblRig, SpeedsAreThoseOfItsStepsByTheHostsClockAndNotOfItsResonator) {
     ++steady;
   }
   EXPECT_GT(steady, 100U);
+  EXPECT_NEAR(session.sync.clock[Device::servo].skew_ppm, -5000.0, 1500.0);
 }
 
 TEST_F(GrblRig, StepsADegreeThatAreSetWrongAreNamed) {
@@ -185,6 +213,45 @@ TEST_F(Sts3215Rig, OneThatDoesNotAnswerWritesIsNamed) {
   }
 }
 
+/// From then on it is another one that was just switched on, which knows nothing of the first.
+class LosesItsSupply : public simulation::Firmware {
+ public:
+  LosesItsSupply(const simulation::VirtualRigConfig& config, double at_s)
+      : at_us_(std::llround(1e6 * at_s)),
+        before_(simulation::make_servo(config)),
+        after_(simulation::make_servo(config)) {}
+
+  void receive(std::uint8_t byte, std::int64_t time_us) override {
+    time_us < at_us_ ? before_->receive(byte, time_us) : after_->receive(byte, time_us - at_us_);
+  }
+  simulation::FirmwareOutput run_until(std::int64_t time_us) override {
+    if (time_us < at_us_) return before_->run_until(time_us);
+    simulation::FirmwareOutput output = after_->run_until(time_us - at_us_);
+    for (simulation::UartByte& byte : output.bytes) byte.time_us += at_us_;
+    return output;
+  }
+  std::optional<double> shaft_deg(double time_us) const override {
+    const auto at_us = static_cast<double>(at_us_);
+    return time_us < at_us ? before_->shaft_deg(time_us) : after_->shaft_deg(time_us - at_us);
+  }
+  std::string description() const override { return before_->description(); }
+
+ private:
+  std::int64_t at_us_;
+  std::unique_ptr<simulation::Firmware> before_, after_;
+};
+
+TEST_P(EachBusServo, ThatWasOffForAMomentInALegIsNotDrivenOnFromAnAngleThatItDoesNotKnow) {
+  const simulation::VirtualRigConfig config = rig_config(9, GetParam());
+  bus_.emplace(config, std::make_unique<LosesItsSupply>(config, 5.0));
+  VirtualOptions options;
+  options.recording = recording_options(folder_, config.profile, two_legs(40));
+  const RecordingResult result = record_virtual(*bus_, options);
+  EXPECT_EQ(result.exit, ExitCode::device_lost) << result.message;
+  EXPECT_THAT(result.message, testing::AnyOf(HasSubstr("its supply may have failed"),
+                                             HasSubstr("GRBL has not answered a line")));  // it boots
+}
+
 /// Without a watchdog a leg, of up to ten seconds here, is turned to its end.
 double rest_after_s(const std::string& protocol) {
   return protocol == "sts3215" ? 10.5 : until_rest_s;
@@ -219,6 +286,12 @@ TEST_P(HostDies, ForASecondAndTheSessionIsComplete) {
   EXPECT_EQ(result.state, session::State::complete) << result.message;
   // One that drives its leg to the end is driven on by then.
   if (from_s(rest_after_s(GetParam())) < a_second) expect_rest_until(*struck_ + a_second);
+}
+
+TEST_P(HostDies, ForLongerThanALegAndTheServoRests) {
+  constexpr auto longer = std::chrono::seconds(12);
+  suffer([&] { ports_.stand_still(longer); });
+  expect_rest_until(*struck_ + longer);
 }
 
 constexpr double killed_at_s = 6.0;  // in the first leg
@@ -299,30 +372,26 @@ TEST(GrblDriver, NotesADisarmThatOvertakesAnArm) {
   EXPECT_TRUE(driver.idle());
 }
 
-/// By the clock: the recorder is a process of its own, which is stopped (SIGSTOP) in its first leg.
-class BusServoDrill : public ::testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Protocols, BusServoDrill, ::testing::Values("dynamixel"),
-                         [](const auto& protocol) { return std::string(protocol.param); });
+/// By the clock: the recorder is a process of its own, and something happens to it in its first leg.
+enum class Blow : std::uint8_t { stopped, killed, unplugged };
+struct Struck {
+  const char* protocol;
+  Blow blow;
+};
 
-TEST_P(BusServoDrill, ARecorderThatIsStoppedOnPseudoTerminalsLeavesTheServoAtRest) {
-  const simulation::VirtualRigConfig config = rig_config(7, GetParam());
-  const TemporaryFolder folder;
-  SimulatedPorts ports(config, FirmwareChoice::host_build);
-  ports.keep_truth();
-  int moves[2];
-  ASSERT_EQ(pipe(moves), 0);
-  const pid_t recorder = fork();
-  if (recorder == 0) {
+class BusServoDrill : public ::testing::TestWithParam<Struck> {
+ protected:
+  /// Records until it is ended, and writes a byte to `moves` for each frame of a leg.
+  static void record(const SimulatedPorts& ports, const RecordingOptions& recording, int moves) {
     alarm(60);
     PortOptions options;
-    options.recording = recording_options(folder, config.profile, two_legs(80));
+    options.recording = recording;
     options.recording.virtual_time = false;
     for (const Device device : all_devices)
       options.recording.profile.link(device).port = ports.paths()[device];
     options.progress_period = std::chrono::milliseconds(50);
     options.progress = [&](const RecordingProgress& progress) {
-      if (progress.sweep.phase == SweepPhase::leg && progress.sweep.frames >= 4 &&
-          write(moves[1], "m", 1) < 1)
+      if (progress.sweep.phase == SweepPhase::leg && progress.sweep.frames >= 4 && write(moves, "m", 1) < 1)
         _exit(1);
     };
     SystemPortLoop loop;
@@ -332,25 +401,55 @@ TEST_P(BusServoDrill, ARecorderThatIsStoppedOnPseudoTerminalsLeavesTheServoAtRes
     }
     _exit(0);
   }
+};
+
+std::string name_of(const Struck& struck) {
+  constexpr std::array names{"Stopped", "Killed", "Unplugged"};
+  return fmt::format("{}{}", struck.protocol, names[static_cast<std::size_t>(struck.blow)]);
+}
+
+INSTANTIATE_TEST_SUITE_P(Servos, BusServoDrill,
+                         ::testing::Values(Struck{"dynamixel", Blow::stopped}, Struck{"grbl", Blow::stopped},
+                                           Struck{"sts3215", Blow::stopped}, Struck{"sts3215", Blow::killed},
+                                           Struck{"sts3215", Blow::unplugged}),
+                         [](const auto& struck) { return name_of(struck.param); });
+
+TEST_P(BusServoDrill, LeavesTheServoOnPseudoTerminalsAtRest) {
+  // A leg of 0.75 s, with what is added to its goal 3.2 s.
+  const bool has_watchdog = std::string_view(GetParam().protocol) != "sts3215";
+  const double rests_within_s = has_watchdog ? until_rest_s : 3.5;
+  const simulation::VirtualRigConfig config = rig_config(7, GetParam().protocol);
+  const TemporaryFolder folder;
+  SimulatedPorts ports(config, FirmwareChoice::host_build);
+  ports.keep_truth();
+  int moves[2];
+  ASSERT_EQ(pipe(moves), 0);
+  const pid_t recorder = fork();
+  if (recorder == 0)
+    record(ports, recording_options(folder, config.profile, two_legs(has_watchdog ? 80 : 6)), moves[1]);
   close(moves[1]);
   ports.start();
   char moving = 0;
   EXPECT_EQ(read(moves[0], &moving, 1), 1);
-  kill(recorder, SIGSTOP);
-  const HostTime stopped = io::now();
-  std::this_thread::sleep_for(std::chrono::milliseconds(900));
+  if (GetParam().blow == Blow::unplugged)
+    ports.unplug(Device::servo);
+  else
+    kill(recorder, GetParam().blow == Blow::stopped ? SIGSTOP : SIGKILL);
+  const HostTime struck = io::now();
+  std::this_thread::sleep_for(std::chrono::duration<double>(rests_within_s + 0.4));
   ports.stop();
   kill(recorder, SIGKILL);
   waitpid(recorder, nullptr, 0);
   close(moves[0]);
-  double fastest_before = 0.0, fastest_after = 0.0;
+  double fastest_before_dps = 0.0, fastest_after_dps = 0.0;
   for (const simulation::TruthSample& sample : ports.rig().shaft()) {
-    if (sample.time < stopped) fastest_before = std::max(fastest_before, std::abs(sample.rate_dps));
-    if (sample.time > stopped + from_s(until_rest_s))
-      fastest_after = std::max(fastest_after, std::abs(sample.rate_dps));
+    const double rate_dps = std::abs(sample.rate_dps);
+    if (sample.time < struck) fastest_before_dps = std::max(fastest_before_dps, rate_dps);
+    if (sample.time > struck + from_s(rests_within_s))
+      fastest_after_dps = std::max(fastest_after_dps, rate_dps);
   }
-  EXPECT_GT(fastest_before, moving_dps);
-  EXPECT_LT(fastest_after, rest_dps);
+  EXPECT_GT(fastest_before_dps, moving_dps);
+  EXPECT_LT(fastest_after_dps, rest_dps);
 }
 
 }  // namespace

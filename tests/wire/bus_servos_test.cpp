@@ -30,6 +30,16 @@ TEST(Grbl, AJogThatIsSentReadsBackWithItsLeg) {
     EXPECT_FALSE(grbl::parse_jog(other)) << other;
 }
 
+TEST(Grbl, ASettingHasANumberAndAValue) {
+  const auto setting = grbl::parse_setting("$110=12000.000");
+  ASSERT_TRUE(setting);
+  EXPECT_EQ(setting->number, grbl::rate_setting);
+  EXPECT_EQ(setting->value, 12000.0);
+  EXPECT_TRUE(grbl::parse_setting("$110=500 (x max rate)"));
+  for (const char* other : {"$110=", "$=1", "$$", "$N0=G91", "$110=1x", "$110=1e999", "110=1", ""})
+    EXPECT_FALSE(grbl::parse_setting(other)) << other;
+}
+
 /// The maker's own examples.
 TEST(Dynamixel, PacketsAreThoseOfTheDocument) {
   EXPECT_EQ(dynamixel::ping(1), (Bytes{0xFF, 0xFF, 0xFD, 0x00, 0x01, 0x03, 0x00, 0x01, 0x19, 0x4E}));

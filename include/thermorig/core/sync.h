@@ -52,9 +52,10 @@ struct ClockGap {
 struct ClockReport {
   std::string method;  // "one-way" or "two-way"; empty: too little came to say anything
   std::string
-      own_time_unused;       // why samples were counted though the device sends a time; empty: they were not
-  double rate_hz = 0.0;      // messages a second, measured
-  double skew_ppm = 0.0;     // mean: device slower than nominal is positive
+      own_time_unused;   // why samples were counted though the device sends a time; empty: they were not
+  double rate_hz = 0.0;  // messages a second, measured
+  // Mean: device slower than nominal is positive. Also of a servo that has no time and counts its steps.
+  double skew_ppm = 0.0;
   double wander_ppm = 0.0;   // root mean square of the knots' skew about its mean
   double late_p50_us = 0.0;  // lateness of the chunks that were read: arrival minus the fitted clock
   double late_p95_us = 0.0;

@@ -113,6 +113,9 @@ struct SentMessage {
 /// build, or a servo on a bus.
 std::unique_ptr<Firmware> make_servo(const VirtualRigConfig& config);
 
+/// Whether anything measures the shaft: an AS5600 that its board asks, or the servo itself.
+bool measures_shaft(const VirtualRigConfig& config);
+
 /// A whole rig in virtual time: physics, devices and USB links. Deterministic by its configuration.
 /// The same object serves ptys on the wall clock when its caller paces it.
 class VirtualRig {

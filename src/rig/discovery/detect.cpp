@@ -13,6 +13,7 @@
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
 #include "thermorig/sensors/hand_turn.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::rig {
 
@@ -174,7 +175,7 @@ void apply_gyro(const PortFinding& finding, GyroProfile& gyro) {
 }
 
 void apply_servo(const PortFinding& finding, ServoProfile& servo) {
-  servo.protocol = finding.protocol;
+  sensors::choose_servo(finding.protocol, servo);
   if (const auto id = finding.settings.find("bus_id"); id != finding.settings.end())
     servo.bus_id = static_cast<int>(id->second);
 }
@@ -289,10 +290,10 @@ RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& fi
     PortProfile& link = profile.link(device);
     link.port = of_role[0]->info.path;
     link.usb_path = of_role[0]->info.usb_path;
-    if (of_role[0]->baud != 0) link.baud = of_role[0]->baud;
     if (device == Device::camera) profile.camera.protocol = of_role[0]->protocol;
     if (device == Device::gyro) apply_gyro(*of_role[0], profile.gyro);
     if (device == Device::servo) apply_servo(*of_role[0], profile.servo);
+    if (of_role[0]->baud != 0) link.baud = of_role[0]->baud;  // before which the usual one was taken
   }
   return profile;
 }

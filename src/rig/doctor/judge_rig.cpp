@@ -32,10 +32,13 @@ Check warm_up_check(const rig::PreflightImages& images) {
 }
 
 Check board_check(const rig::PreflightAnswers& answers) {
-  Check check{
-      .name = "servo board",
-      .result = fmt::format("firmware {}, on for {:.0f} s, at most {:.0f} deg/s, watchdog {} ms",
-                            answers.firmware, answers.uptime_s, answers.limit_rate_dps, answers.watchdog_ms)};
+  const std::string uptime =
+      answers.uptime_s > 0.0 ? fmt::format(", on for {:.0f} s", answers.uptime_s) : std::string();
+  const std::string watchdog = answers.watchdog_ms > 0 ? fmt::format("watchdog {} ms", answers.watchdog_ms)
+                                                       : "no watchdog: " + answers.how_it_rests;
+  Check check{.name = "servo board",
+              .result = fmt::format("firmware {}{}, at most {:.0f} deg/s, {}", answers.firmware, uptime,
+                                    answers.limit_rate_dps, watchdog)};
   if (!wire::was_brown_out(answers.reset_cause)) return check;
   check.warning = true;
   check.result += "; its supply broke down (brown-out), which reset it";
@@ -65,8 +68,8 @@ std::vector<Check> judge_rig(const rig::PreflightReport& report) {
     checks.push_back(board_check(*facts.answers));
     checks.push_back(
         {.name = "servo answers",
-         .result = fmt::format("{} of {} pings, {:.1f} ms there and back", facts.answers->answered,
-                               facts.answers->pings, 1e3 * facts.answers->round_trip_s)});
+         .result = fmt::format("{} of {} requests, {:.1f} ms there and back", facts.answers->answered,
+                               facts.answers->requests, 1e3 * facts.answers->round_trip_s)});
   }
   for (const rig::PreflightViolation& violation : report.violations)
     checks.push_back({.name = "preflight: " + violation.name,

@@ -248,10 +248,10 @@ void judge_answers(const PreflightAnswers& answers, const ServoProfile& servo, c
                      "a lower max_rate_dps in the rig profile, or the firmware of this program "
                      "(firmware_servo)"});
   const auto answered = static_cast<double>(answers.answered);
-  const auto pings = static_cast<double>(answers.pings);
-  if (answers.pings > 0 && answered < limits.answered_share * pings)
+  const auto requests = static_cast<double>(answers.requests);
+  if (answers.requests > 0 && answered < limits.answered_share * requests)
     found.push_back({"servo_answers", Device::servo,
-                     fmt::format("the servo answered {} of {} pings", answers.answered, answers.pings),
+                     fmt::format("the servo answered {} of {} requests", answers.answered, answers.requests),
                      fmt::format("at least {:.0f} %", 100.0 * limits.answered_share),
                      "another cable, a shorter one; check the supply of the servo's board"});
   if (answers.round_trip_s > limits.round_trip_s)

@@ -226,16 +226,17 @@ std::optional<PreflightRest> PreflightWatch::rest() const {
 }
 
 PreflightAnswers PreflightWatch::answers(const PreflightCounts& counts) const {
-  constexpr std::uint64_t on_their_way = 1;  // the last ping may not have come back yet
+  constexpr std::uint64_t on_their_way = 1;  // the last answer may not have come yet
   const PreflightCounts& before = counted_.front().counts;
-  const std::uint64_t sent = counts.pings - before.pings;
-  PreflightAnswers facts{.pings = sent > on_their_way ? sent - on_their_way : 0,
+  const std::uint64_t sent = counts.requests - before.requests;
+  PreflightAnswers facts{.requests = sent > on_their_way ? sent - on_their_way : 0,
                          .retries = counts.retries - before.retries};
   std::vector<double> round_trips_s;
   for (const RoundTrip& one : round_trips_)
     if (one.time >= counted_.front().time) round_trips_s.push_back(one.took_s);
-  facts.answered = std::min<std::uint64_t>(round_trips_s.size(), facts.pings);
+  facts.answered = std::min<std::uint64_t>(round_trips_s.size(), facts.requests);
   facts.round_trip_s = median(std::move(round_trips_s));
+  facts.how_it_rests = counts.how_servo_rests;
   if (!counts.welcome) return facts;
   facts.firmware = counts.welcome->firmware;
   facts.uptime_s = 1e-6 * counts.welcome->uptime_us;

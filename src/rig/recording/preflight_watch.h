@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <string>
 #include <vector>
 
 #include "thermorig/core/sample.h"
@@ -16,9 +17,10 @@ namespace thermorig::rig {
 struct PreflightCounts {
   std::optional<wire::ServoWelcome> welcome;  // of the servo
   PerDevice<wire::Counters> wire;
-  std::uint64_t pings = 0;
+  std::uint64_t requests = 0;
   std::uint64_t retries = 0;
-  PerDevice<bool> gone{};  // not there, and not needed
+  std::string how_servo_rests;  // where nobody reaches it any more
+  PerDevice<bool> gone{};       // not there, and not needed
 };
 
 /// Listens to a rig that is not armed: from begin() on, at most the last five seconds, or a few messages of a
@@ -43,7 +45,7 @@ class PreflightWatch {
   void frame(const TimedFrame& frame);
   void gyro(const TimedGyro& gyro);
   void servo(const TimedServo& servo);
-  void round_trip(HostDuration time, HostTime arrived);  // of a ping that was answered
+  void round_trip(HostDuration time, HostTime arrived);  // of a request to the servo
 
   PreflightFacts facts(HostTime now, const PreflightCounts& counts, const RigProfile& profile) const;
 

@@ -68,7 +68,7 @@ void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime a
   for (const TimedServo& servo : streams.servo) {
     if (devices.servo(servo, arrived)) presence[Device::servo].message();
     start.watch().servo(servo);
-    commander.telemetry(servo);
+    if (const auto round_trip = commander.telemetry(servo)) start.watch().round_trip(*round_trip, arrived);
     sweep.telemetry(servo);
     if (const auto contradiction = witnesses.servo(servo))
       event({arrived, EventKind::warning, std::nullopt, *contradiction});
@@ -188,8 +188,9 @@ PerDevice<bool> Recording::Parts::done_without() const {
 PreflightCounts Recording::Parts::counts() const {
   PreflightCounts counts{.welcome = commander.welcome(),
                          .wire = {},
-                         .pings = commander.pings(),
+                         .requests = commander.requests(),
                          .retries = commander.retries(),
+                         .how_servo_rests = commander.how_it_rests(),
                          .gone = done_without()};
   for (const Device device : all_devices) counts.wire[device] = pipeline.counters(device);
   return counts;

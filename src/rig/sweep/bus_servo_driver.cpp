@@ -222,6 +222,7 @@ BusServoDriver::Data BusServoDriver::next_bytes(HostTime now) {
   }
   if (!greeted() || (last_read_ != HostTime{} && now - last_read_ < read_period)) return {};
   reads_ = true;
+  ++requests_;
   last_read_ = now;
   return read_bytes(registers_.telemetry, registers_.telemetry_bytes);
 }
@@ -288,12 +289,13 @@ void BusServoDriver::refused(const std::string& why, const std::string& advice) 
 
 // ---- what it says of itself -----------------------------------------------------------------------------
 
-void BusServoDriver::telemetry(const TimedServo& servo) {
-  reads_ = false;
+std::optional<HostDuration> BusServoDriver::telemetry(const TimedServo& servo) {
+  const bool was_asked = std::exchange(reads_, false);
   servo_now_ = servo;
   const bool is_off = servo.state.motion == ServoMotion::disarmed;
   if (armed_ && is_off && servo.stamp.time > armed_at_ && steps_.empty() && !stopping_) look_why_off();
   turn_back();
+  return was_asked ? std::optional(servo.stamp.arrival - last_read_) : std::nullopt;
 }
 
 /// Its torque was switched on and is off: it has switched its motor off, or has been off itself, and has

@@ -47,8 +47,9 @@ class BusServoDriver : public ServoDriver {
   void clear() override;
   std::vector<std::uint8_t> poll(HostTime now) override;
   void answer(const wire::ServoMessage& message, HostTime arrived) override;
-  void telemetry(const TimedServo& servo) override;
+  std::optional<HostDuration> telemetry(const TimedServo& servo) override;
   bool idle() const override { return steps_.empty(); }
+  std::uint64_t requests() const override { return requests_; }
 
  protected:
   using Data = std::vector<std::uint8_t>;
@@ -137,7 +138,8 @@ class BusServoDriver : public ServoDriver {
   HostTime now_{};
   HostTime armed_at_{};
   HostTime last_read_{};
-  bool reads_ = false;  // telemetry is under way
+  bool reads_ = false;          // telemetry is under way
+  std::uint64_t requests_ = 0;  // of telemetry
 };
 
 }  // namespace thermorig::rig

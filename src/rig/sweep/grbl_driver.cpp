@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -47,10 +46,11 @@ class GrblDriver final : public ServoDriver {
   void clear() override;
   std::vector<std::uint8_t> poll(HostTime now) override;
   void answer(const wire::ServoMessage& message, HostTime arrived) override;
-  void telemetry(const TimedServo& servo) override;
+  std::optional<HostDuration> telemetry(const TimedServo& servo) override;
 
   std::string how_it_rests() const override { return "it rests where its last jog ends"; }
   bool idle() const override;
+  std::uint64_t requests() const override { return requests_; }
 
  private:
   /// Where the shaft is to go, piece by piece.
@@ -69,6 +69,7 @@ class GrblDriver final : public ServoDriver {
   std::vector<std::uint8_t> set_up(HostTime now);
   std::vector<std::uint8_t> drive(HostTime now);
   std::vector<std::uint8_t> next_piece(HostTime now);
+  std::uint8_t ask_status(HostTime now);
   void begin(const Course& course);
   void end_leg_in_time(HostTime now);
   void turn_back();
@@ -95,7 +96,9 @@ class GrblDriver final : public ServoDriver {
   std::optional<bool> power_sent_;  // of them, until it is acknowledged
   HostTime cancelled_{};
   HostTime last_status_{};
-  bool was_set_up_ = false;  // its position counts from then on
+  bool awaits_status_ = false;
+  std::uint64_t requests_ = 0;  // of its status
+  bool was_set_up_ = false;     // its position counts from then on
 };
 
 GrblDriver::GrblDriver(const ServoProfile& servo) : ServoDriver(servo) {}
@@ -113,8 +116,10 @@ bool GrblDriver::idle() const {
 /// Opening its port resets most boards, which then greet; others are reset by a byte.
 void GrblDriver::greet() {
   const bool was_set_up = was_set_up_ || setup_ == Setup::done;
+  const std::uint64_t requests = requests_;
   *this = GrblDriver(servo_);
   was_set_up_ = was_set_up;
+  requests_ = requests;
 }
 
 void GrblDriver::arm(double) {
@@ -175,15 +180,18 @@ std::vector<std::uint8_t> GrblDriver::poll(HostTime now) {
   if (std::exchange(cancel_due_, false)) {
     cancelling_ = true;
     cancelled_ = now;
-    last_status_ = now;
-    return {grbl::jog_cancel, grbl::status_request};
+    return {grbl::jog_cancel, ask_status(now)};
   }
   std::vector<std::uint8_t> bytes = drive(now);
-  if (now - last_status_ >= status_period) {
-    last_status_ = now;
-    bytes.insert(bytes.begin(), grbl::status_request);
-  }
+  if (now - last_status_ >= status_period) bytes.insert(bytes.begin(), ask_status(now));
   return bytes;
+}
+
+std::uint8_t GrblDriver::ask_status(HostTime now) {
+  last_status_ = now;
+  awaits_status_ = true;
+  ++requests_;
+  return grbl::status_request;
 }
 
 std::vector<std::uint8_t> GrblDriver::set_up(HostTime now) {
@@ -208,7 +216,7 @@ std::vector<std::uint8_t> GrblDriver::set_up(HostTime now) {
     case Setup::unlock:
       return grbl::unlock();
     case Setup::position:
-      return {grbl::status_request};
+      return {ask_status(now)};
     case Setup::done:
       break;
   }
@@ -268,7 +276,7 @@ void GrblDriver::turn_back() {
 
 // ---- answers --------------------------------------------------------------------------------------------
 
-void GrblDriver::telemetry(const TimedServo& servo) {
+std::optional<HostDuration> GrblDriver::telemetry(const TimedServo& servo) {
   servo_now_ = servo;
   const bool rests = is_at_rest(servo.state) && servo.stamp.arrival > cancelled_;
   if (setup_ == Setup::position) {
@@ -284,6 +292,8 @@ void GrblDriver::telemetry(const TimedServo& servo) {
     course_ = std::exchange(next_, {});
   }
   turn_back();
+  const bool was_asked = std::exchange(awaits_status_, false);
+  return was_asked ? std::optional(servo.stamp.arrival - last_status_) : std::nullopt;
 }
 
 void GrblDriver::answer(const wire::ServoMessage& message, HostTime arrived) {
@@ -334,14 +344,11 @@ void GrblDriver::take_line(const std::string& line, std::uint8_t error, HostTime
   last_asked_.reset();
 }
 
-/// "$110=12000.000": degrees a minute; "$120=500.000": degrees a second squared.
 void GrblDriver::take_setting(const std::string& line) {
-  const std::size_t equals = line.find('=');
-  if (equals == line.npos) return;
-  const std::string name = line.substr(0, equals);
-  const double value = std::strtod(line.c_str() + equals + 1, nullptr);
-  if (name == "$110") max_rate_dps_ = value / 60.0;
-  if (name == "$120") acceleration_dps2_ = value;
+  const auto setting = grbl::parse_setting(line);
+  if (!setting) return;
+  if (setting->number == grbl::rate_setting) max_rate_dps_ = setting->value / 60.0;
+  if (setting->number == grbl::acceleration_setting) acceleration_dps2_ = setting->value;
 }
 
 void GrblDriver::check_settings() const {

@@ -55,6 +55,15 @@ std::vector<std::uint8_t> settings_request() {
   return bytes_of_line("$$\n");
 }
 
+std::optional<Setting> parse_setting(std::string_view line) {
+  const auto number = take_number<int>(line, "$");
+  if (!number) return std::nullopt;
+  const auto value = take_number<double>(line, "=");
+  const bool has_end = line.empty() || line.front() == ' ';  // some builds add a remark
+  if (!value || !has_end || !std::isfinite(*value)) return std::nullopt;
+  return Setting{*number, *value};
+}
+
 std::vector<std::uint8_t> unlock() {
   return bytes_of_line("$X\n");
 }

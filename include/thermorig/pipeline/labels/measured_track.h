@@ -32,7 +32,7 @@ class MeasuredTrack {
   /// True if an angle at or after `time` has come.
   bool reaches(HostTime time) const { return points_.reaches(time); }
 
-  /// None: no reading within 30 ms before and after it, or turns were counted anew between these.
+  /// None: the readings before and after it are more than 0.13 s apart, or turns were counted anew between.
   std::optional<Estimate> angle_deg(HostTime time) const;
 
   /// Mean speed, by the angles at both instants; the turns between them must have been counted through.
@@ -55,6 +55,7 @@ class MeasuredTrack {
     float time_uncertainty_s = 0.0F;
   };
   std::optional<At> at(HostTime time) const;
+  std::optional<At> across_silence(HostTime time, std::size_t after) const;
 
   History<Point> points_;
   unsigned lap_ = 0;

@@ -51,15 +51,16 @@ struct PreflightRest {
 
 /// How the servo answers, and what it says of itself.
 struct PreflightAnswers {
-  std::uint64_t pings = 0;     // that are old enough to have been answered
+  std::uint64_t requests = 0;  // pings, or reads of its state, that are old enough to have been answered
   std::uint64_t answered = 0;  // of those
   double round_trip_s = 0.0;   // median, without what the firmware held them back on purpose
   std::uint64_t retries = 0;   // of commands, since all devices send
   std::string firmware;        // "1.0.0"
-  double uptime_s = 0.0;       // when it was greeted
+  double uptime_s = 0.0;       // when it was greeted; 0: it does not say
   unsigned reset_cause = 0;    // MCUSR of an AVR
   double limit_rate_dps = 0.0;
-  unsigned watchdog_ms = 0;
+  unsigned watchdog_ms = 0;  // 0: it has none
+  std::string how_it_rests;  // where nobody reaches it any more
 };
 
 /// What is known of a rig at rest, before it moves. Parts of devices that are not there are absent.

@@ -52,7 +52,7 @@ class ServoCommander final : public ServoDriver {
 
   std::string how_it_rests() const override { return "its own watchdog stops it"; }
   bool idle() const override { return queue_.empty(); }
-  std::uint64_t pings() const override { return ping_token_; }
+  std::uint64_t requests() const override { return ping_token_; }
 
  private:
   struct Command {

@@ -42,8 +42,9 @@ class ServoDriver {
   /// command that it refuses for its values.
   virtual void answer(const wire::ServoMessage& message, HostTime arrived) = 0;
 
-  /// What it said of its motion. Throws as answer() does.
-  virtual void telemetry(const TimedServo&) {}
+  /// What it said of its motion. Throws as answer() does. Returns how long request and answer were under way;
+  /// none if it was not asked.
+  virtual std::optional<HostDuration> telemetry(const TimedServo&) { return std::nullopt; }
 
   /// An answer to a ping. Returns how long it was under way, without what the firmware held it back; none if
   /// it is not ours.
@@ -57,7 +58,7 @@ class ServoDriver {
   HostTime last_ack() const { return last_ack_; }
   const std::optional<wire::ServoWelcome>& welcome() const { return welcome_; }
   std::uint64_t retries() const { return retries_; }
-  virtual std::uint64_t pings() const { return 0; }  // sent, whose answers pong() takes
+  virtual std::uint64_t requests() const { return 0; }  // sent, whose answers pong() or telemetry() takes
 
   bool greeted() const { return welcome_.has_value(); }
   /// What becomes of it where nobody reaches it any more: "its own watchdog stops it".

@@ -44,6 +44,19 @@ std::vector<std::uint8_t> power_note(bool is_armed);
 std::optional<bool> parse_power_note(std::string_view line);
 
 std::vector<std::uint8_t> settings_request();
+
+/// "$110=12000.000", of which it lists many.
+struct Setting {
+  int number = 0;
+  double value = 0.0;  // finite
+};
+inline constexpr int steps_setting = 100;         // a degree
+inline constexpr int rate_setting = 110;          // degrees a minute, at most
+inline constexpr int acceleration_setting = 120;  // degrees a second squared
+
+/// Of such a line without its ending. None: it is none.
+std::optional<Setting> parse_setting(std::string_view line);
+
 std::vector<std::uint8_t> unlock();
 
 }  // namespace thermorig::wire::grbl
