@@ -19,10 +19,10 @@ const EnumerationSettings ends{.share = 0.001, .error_stride = 0, .starts = 1, .
 const EnumerationSettings errors{
     .share = 0.0, .error_stride = 0, .error_share = 0.1, .starts = 1, .recover_stride = 1000};
 #else
-constexpr std::uint64_t points_least = 2500;
-const EnumerationSettings ends{.share = 0.026, .error_stride = 0, .starts = 1, .recover_stride = 100};
+constexpr std::uint64_t points_least = 1000;
+const EnumerationSettings ends{.share = 0.013, .error_stride = 0, .starts = 1, .recover_stride = 100};
 const EnumerationSettings errors{
-    .share = 0.0, .error_stride = 800, .error_share = 0.4, .starts = 2, .recover_stride = 100};
+    .share = 0.0, .error_stride = 800, .error_share = 0.2, .starts = 2, .recover_stride = 100};
 #endif
 
 const RecordedSession& short_session() {
