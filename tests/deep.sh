@@ -35,19 +35,20 @@ part aarch64 far aarch64 app/setup.sh {src,include/thermorig}/{core,network} tes
 
 cmake --preset developer -DTHERMORIG_BENCHMARKS=ON # which no test runs: that they can be built at all
 part "build of the page, the guest and the benchmarks" build developer --target thermorig usb_guest benchmarks
+part "live page in a browser" bash tests/page/run.sh build
 # Ports on the kernel's usb-serial driver, plugs pulled and put back.
 part usb_guest far usb_guest "${build_files[@]}" {src,include/thermorig}/{core,io} tests/usb -- bash tests/usb/run.sh build
 
-# The page in a browser mostly waits, and so does an array whose tasks share a study (one is killed, two are requeued).
-# Instructions are counted right beside whatever else runs.
-page_slurm_and_costs() {
+# An array whose tasks share a study; one is killed, two are requeued. It mostly waits, and instructions are counted right
+# beside whatever else runs.
+slurm_and_costs() {
   bash tests/bench/costs.sh &
   local costs=$! code=0
-  { bash tests/page/run.sh build && bash tests/slurm/run.sh build; } || code=$?
+  bash tests/slurm/run.sh build || code=$?
   wait "$costs" || code=$?
   return "$code"
 }
-part "page in a browser, slurm, and costs in instructions" page_slurm_and_costs
+part "slurm, and costs in instructions" slurm_and_costs
 
 cmake --preset tsan
 part "build with ThreadSanitizer" build tsan --target test_io test_simulated_ports test_rig test_web_server
