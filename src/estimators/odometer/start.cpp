@@ -14,9 +14,11 @@ constexpr double enough_s = 25.0;           // after the first half
 constexpr std::size_t enough_halves = 200, fewest_halves = 72;
 constexpr std::size_t halves_of_rest = 48;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
+constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
-constexpr double known_scale = 0.0008;                // one standard deviation: 0.3 degrees a turn
-constexpr int most_repeats = 6, repeats_to_tell = 2;  // after the first pass
+constexpr double known_scale = 0.0008;  // one standard deviation: 0.3 degrees a turn
+// After the first pass. One that still fits badly after some of them will not fit any more.
+constexpr int most_repeats = 6, hopeful_repeats = 3, repeats_to_tell = 2;
 // What a part of the map is taken to be off by itself. Without it a map is surer of itself than it is right.
 constexpr double map_sigma_deg = 0.4;
 constexpr double doubtful_nis = 1.2;  // a start that ends with more must know the scale twice as well
@@ -219,9 +221,11 @@ Start::Outcome Start::take_over(double now_s) {
 
 /// Each repeat fits better, unless its map is a false one, or something moves before some halves.
 Start::Outcome Start::learn_again() {
-  const bool is_gyro_known = is_scale_known(*searched_);  // from the first pass on
-  const bool is_traffic = is_gyro_known && pass_ > 0 && shows_traffic();
-  if (!is_traffic && pass_ < most_repeats) {
+  const bool is_known = is_scale_known(*searched_);  // its gyro, from the first pass on
+  const bool is_hopeless = is_known && pass_ >= hopeful_repeats && mean_nis_ > bounds().unfit;
+  const bool is_traffic = is_known && pass_ > 0 && shows_traffic();
+  if (!is_hopeless && !is_traffic && pass_ < most_repeats &&
+      front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass_ + 1);
   } else if (shows_traffic()) {
     things_move_ = true;  // what was learnt is not wrong for that
