@@ -61,8 +61,10 @@ Advice advice_on_lines_of_camera(Bytes head) {
 
 /// What lines of text say, and the options that read them; empty if there is no text.
 Advice advice_on_text(const DecodeOptions& options, Bytes head) {
-  if (options.device == Device::camera) return advice_on_lines_of_camera(head);
-  if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start)) {
+  const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
+  if (options.device == Device::camera && !(format && format->rates_known))
+    return advice_on_lines_of_camera(head);
+  if (format) {
     const GyroProfile profile{.sketch = options.gyro_sketch, .text = text_columns(options)};
     std::string reason =
         shown(format->sample_line, format->fields + (format->columns.prefix.empty() ? 0 : 1));

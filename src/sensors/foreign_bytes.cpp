@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -333,26 +334,36 @@ std::optional<Evidence> unknown_mark(Bytes bytes) {
       if (bytes[other] != bytes[at]) return false;
     return true;
   };
-  const auto mark_of = [&](std::size_t period) -> std::optional<std::size_t> {
-    std::optional<std::size_t> mark;
+  struct Run {
+    std::size_t at = 0, size = 0;
+  };
+  const auto mark_of = [&](std::size_t period) {  // the longest run; size 0: there is none, or several
+    Run longest, run;
+    bool is_only = false;
     std::size_t same = 0;
-    for (std::size_t at = 0; at < period && same <= 12; ++at) {
-      if (!is_same(at, period)) continue;
-      ++same;
-      const bool is_pair = at + 1 < period && is_same(at + 1, period);
-      if (!mark && is_pair && (bytes[at] | bytes[at + 1]) != 0) mark = at;
+    for (std::size_t at = 0; at < period; ++at) {
+      const bool goes_on = is_same(at, period);
+      same += goes_on ? 1U : 0U;
+      run = goes_on ? Run{run.size == 0 ? at : run.at, run.size + 1} : Run();
+      if (run.size == longest.size && run.at != longest.at) is_only = false;
+      if (run.size <= longest.size) continue;
+      longest = run;
+      is_only = true;
     }
-    return same <= 12 && 2 * same < period ? mark : std::nullopt;
+    const bool is_mark = is_only && longest.size >= 2 && longest.size <= 16 && 3 * same < 2 * period;
+    const bool is_gy_mcu90640 = begins_with(bytes.subspan(longest.at), "\x5A\x5A\x02\x06");
+    return is_mark && !is_gy_mcu90640 ? longest : Run();
   };
   const auto evidence = [&](std::size_t period, std::string_view what, std::string advice) {
     if (bytes.size() < 5 * period) return std::optional<Evidence>();
-    const auto mark = mark_of(period);
-    if (!mark) return std::optional<Evidence>();
-    return std::optional(
-        evidence_of(bytes,
-                    fmt::format("{} of {} bytes, each with the mark {:02X} {:02X}: a layout that is not read",
-                                what, period, bytes[*mark], bytes[*mark + 1]),
-                    std::move(advice)));
+    const Run mark = mark_of(period);
+    if (mark.size == 0) return std::optional<Evidence>();
+    return std::optional(evidence_of(
+        bytes,
+        fmt::format("{} of {} bytes, each with the mark {:02X}: a layout that is not read, or values "
+                    "that are none",
+                    what, period, fmt::join(bytes.subspan(mark.at, mark.size), " ")),
+        std::move(advice)));
   };
   constexpr std::size_t longest_rest = 32;
   for (std::size_t period = 8; period <= 64; ++period)
