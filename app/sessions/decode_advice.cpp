@@ -50,9 +50,21 @@ std::string scale_options(const sensors::TextFormat& format) {
                           : "; --scale is 1 for deg/s, 57.2958 for rad/s";
 }
 
+/// Of lines that hold no whole image in a form that is read.
+Advice advice_on_lines_of_camera(Bytes head) {
+  const auto line = sensors::first_text_line(head);
+  if (!line || !sensors::is_readable(head)) return {};
+  return {shown(line->text, line->fields) + ": no image of 768 temperatures in a form that is read",
+          "print all 768 temperatures in one line, or in 24 lines of 32 with an empty line before each "
+          "picture (protocols/text_camera.md); if a gyro sent this: --device gyro"};
+}
+
 /// What lines of text say, and the options that read them; empty if there is no text.
 Advice advice_on_text(const DecodeOptions& options, Bytes head) {
-  if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start)) {
+  const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
+  if (options.device == Device::camera && !(format && format->rates_known))
+    return advice_on_lines_of_camera(head);
+  if (format) {
     const GyroProfile profile{.sketch = options.gyro_sketch, .text = text_columns(options)};
     std::string reason =
         shown(format->sample_line, format->fields + (format->columns.prefix.empty() ? 0 : 1));
@@ -77,6 +89,7 @@ std::string in_one(const Advice& advice) {
 
 /// Another way to form the check sum that gives frames; empty if there is none.
 std::string advice_on_checksum(const DecodeOptions& options, Bytes head) {
+  if (options.camera_protocol != CameraProfile().protocol) return "";  // others have no such choice
   DecodeOptions other = options;
   for (const char* name : {"word", "byte", "ignore"}) {
     other.camera_checksum = name;

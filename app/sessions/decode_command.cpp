@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -157,14 +158,24 @@ struct Learnt {
   std::vector<std::uint8_t> head;  // its first bytes
   Recognition recognition;         // of a gyro, where no option says how it is read
   AutoZero zeros;                  // of a gyro
-  int bus_id = 1;                  // of a servo on a bus
+  std::optional<ThermalFrame> first_frame;
+  int bus_id = 1;  // of a servo on a bus
 };
 
 void learn(const wire::GyroMessage& message, Learnt& learnt) {
   learnt.zeros.add(message.reading);
 }
+void learn(const wire::CameraMessage& message, Learnt& learnt) {
+  if (!learnt.first_frame) learnt.first_frame = message.frame;
+}
 template <typename Message>
 void learn(const Message&, Learnt&) {}
+
+std::string remark_on_frames(const DecodeOptions& options, const Learnt& learnt) {
+  if (!learnt.first_frame) return "";
+  const sensors::CameraProtocol& camera = sensors::camera_protocol(options.camera_protocol);
+  return camera.doubt == nullptr ? "" : camera.doubt(*learnt.first_frame);
+}
 
 std::string remark_on_zeros(const AutoZero& zeros) {
   return fmt::format(
@@ -346,6 +357,8 @@ ExitCode run(const DecodeOptions& given) {
     if (std::string remark = sensors::remark_on_rates(gyro_profile(options, learnt.recognition));
         !remark.empty())
       remarks.push_back(std::move(remark));
+  if (std::string remark = remark_on_frames(options, learnt); !remark.empty())
+    remarks.push_back(std::move(remark));
   if (learnt.zeros.is_seen()) remarks.push_back(remark_on_zeros(learnt.zeros));
   print_summary(options, source.name(), counters, printer, learnt.recognition, remarks);
   if (printer.count() == 0) refuse_bytes(options, source.name(), counters, learnt.head);

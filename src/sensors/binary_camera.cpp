@@ -142,9 +142,10 @@ class BinaryCameraScanner {
     for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel)
       temp_c[pixel] =
           layout.pixel(frame.subspan(layout.begin.size() + layout.ahead + pixel * layout.pixel_bytes));
-    const bool is_good = std::all_of(temp_c.begin(), temp_c.end(), [](float value) {
-      return value >= coldest_pixel_c && value <= hottest_pixel_c;
-    });
+    const bool is_good =
+        !is_half_an_image(temp_c) && std::all_of(temp_c.begin(), temp_c.end(), [](float value) {
+          return value >= coldest_pixel_c && value <= hottest_pixel_c;
+        });
     if (!is_good && layout_ == nullptr) {  // its marks may be pixels
       ledger_.book_gap(1);
       return 1;
@@ -196,7 +197,8 @@ CameraProtocol binary_camera() {
           .message_bytes = longest_frame,
           .scanner = binary_camera_scanner,
           .recognise = recognise_binary_camera,
-          .merges_halves = true};
+          .merges_halves = true,
+          .doubt = doubt_on_unit};
 }
 
 }  // namespace thermorig::sensors

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -20,6 +22,21 @@ std::string advice_on_unit(const ThermalFrame& frame) {
     return "its values lie between 0 and 1: print degrees Celsius in the sketch";
   if (*low > 200.0F) return "its values are those of Kelvin: print degrees Celsius in the sketch";
   return "";
+}
+
+std::string doubt_on_unit(const ThermalFrame& frame) {
+  const float low = *std::min_element(frame.temp_c.begin(), frame.temp_c.end());
+  if (low <= 45.0F || !advice_on_unit(frame).empty()) return "";
+  return fmt::format("its coldest pixel is {:.1f}: if nothing there is so hot, these are degrees Fahrenheit",
+                     low);
+}
+
+bool is_half_an_image(std::span<const float, frame_pixels> temp_c) {
+  std::array<std::size_t, 2> zeros{};
+  for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel)
+    if (temp_c[pixel] == 0.0F) ++zeros[(pixel / frame_columns + pixel % frame_columns) % 2];
+  const auto [few, many] = std::minmax(zeros[0], zeros[1]);
+  return many == frame_pixels / 2 && few < frame_pixels / 4;
 }
 
 std::span<const CameraProtocol> camera_protocols() {

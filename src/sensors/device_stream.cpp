@@ -88,6 +88,12 @@ std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double he
   for (const ServoProtocol& servo : servo_protocols()) add(Device::servo, servo.name, servo.recognise(bytes));
   for (const GyroProtocol& gyro : gyro_protocols())
     if (!gyro.has_columns || !is_foreign) add(Device::gyro, gyro.name, gyro.recognise(bytes, heard_s));
+  const bool is_known = std::any_of(found.begin(), found.end(), [](const Recognised& one) {
+    return one.evidence.messages > 0 || !one.evidence.advice.empty();
+  });
+  if (!is_known)
+    if (auto unread = recognise_unread(bytes))
+      found.insert(found.begin(), {std::nullopt, "", *std::move(unread)});
   return found;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -51,7 +52,8 @@ std::optional<Evidence> utf16_text(Bytes bytes) {
     return std::nullopt;
   return evidence_of(
       bytes, "text in UTF-16, as a Windows shell redirects it",
-      "iconv -f UTF-16 -t UTF-8 FILE | thermorig decode --device gyro -; or log with another program");
+      "iconv -f UTF-16 -t UTF-8 FILE | thermorig decode --device gyro - (or camera); or log with another "
+      "program");
 }
 
 bool is_hex(std::string_view text) {
@@ -103,30 +105,63 @@ std::optional<Evidence> hex_text(Bytes bytes) {
 
 /// A table of numbers with so many columns that it is a picture, but none that is read as temperatures.
 std::optional<Evidence> image_text(Bytes bytes) {
-  std::size_t lines = 0, rows = 0, columns = 0;
-  bool holds_words = false, has_decimals = false;
+  std::size_t lines = 0, rows = 0, columns = 0, zeros = 0, in_rows = 0;
+  bool holds_words = false, has_decimals = false, has_commas = false;
+  double largest = 0.0;
   for_each_line(bytes, [&](const RawLine& line) {
     if (is_blank(line.text) || !is_text(line.text)) return;
-    std::size_t fields = 0, numbers = 0;
+    std::size_t fields = 0, numbers = 0, zeros_here = 0;
     for (const TextField& field : split_fields(line.text)) {
       ++fields;
-      numbers += read_number(field.value) ? 1U : 0U;
-      has_decimals |= field.value.find('.') != field.value.npos;
+      const std::optional<double> number = read_number(field.value);
+      numbers += number ? 1U : 0U;
+      zeros_here += number == 0.0 ? 1U : 0U;
+      largest = std::max(largest, number.value_or(0.0));
+      has_decimals |= number && *number != std::trunc(*number);
     }
     ++lines;
     holds_words |= numbers == 0 && fields >= image_line_fields;  // a header
     if (numbers < image_line_fields) return;
     ++rows;
+    zeros += zeros_here;
+    in_rows += numbers;
+    has_commas |= has_decimal_commas(line.text);
     columns = std::max(columns, numbers);
   });
   constexpr std::size_t convincing_columns = 192;  // an MLX90641's frame: one line is enough
   const bool is_table = rows >= 2 && 2 * rows >= lines;
   if ((!is_table && columns < convincing_columns) || holds_words) return std::nullopt;
+  if (has_commas)
+    return evidence_of(bytes, "a picture as text whose numbers have decimal commas",
+                       "print points: 21.34, not 21,34");
+  if (!has_decimals && largest > 255.0)
+    return evidence_of(
+        bytes,
+        fmt::format("a picture as text of whole numbers up to {:.0f}, {} a line: nothing says what part of a "
+                    "degree they are",
+                    largest, columns),
+        "print degrees Celsius with two decimals");
   if (!has_decimals)
     return evidence_of(
         bytes, fmt::format("a picture without temperatures as text ({} whole numbers a line)", columns),
         "turn on the temperatures in the camera's sketch (Adafruit: PRINT_TEMPERATURES), with "
         "two decimals");
+  if (5 * zeros > 2 * in_rows)
+    return evidence_of(bytes, "half-images as text: about half of the numbers are 0",
+                       "let the sketch read both halves (subpages) before it prints, as the libraries of "
+                       "Adafruit, Melexis and SparkFun do");
+  if (columns == 192)
+    return evidence_of(bytes, "a picture as text, 192 numbers a line, in a form that is not read",
+                       "an MLX90640, which has 768 pixels (an MLX90641 has 192); or print all of them in one "
+                       "line, or in 24 lines of 32");
+  if (columns > frame_pixels && columns < frame_pixels + 16)
+    return evidence_of(
+        bytes,
+        fmt::format(
+            "a picture as text, {} numbers a line: which {} of them are no temperatures, nothing says",
+            columns, columns - frame_pixels),
+        "print the 768 temperatures alone in their line; a time or a count may stand before a colon in front "
+        "(\"1000: 21.3, 21.4, ...\")");
   return evidence_of(
       bytes, fmt::format("a picture as text, {} numbers a line, in a form that is not read", columns),
       "print all 768 temperatures in one line, or in 24 lines of 32 with an empty line before each picture "
@@ -137,18 +172,20 @@ std::optional<Evidence> image_text(Bytes bytes) {
 /// otherwise.
 std::optional<Evidence> picture_of_letters(Bytes bytes) {
   constexpr std::size_t most_letters = 16;
-  std::size_t rows = 0;
+  std::size_t rows = 0, in_rows = 0;
   std::array<bool, 256> letters{};
+  std::string room;
   for_each_line(bytes, [&](const RawLine& line) {
-    if (line.text.size() != frame_columns || !is_text(line.text) ||
-        std::any_of(line.text.begin(), line.text.end(), is_digit))
-      return;
+    const std::string_view text = plain_text(line.text, room);
+    const bool is_row = text.size() == frame_columns || text.size() == 2 * frame_columns;
+    const auto digits = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), is_digit));
+    if (!is_row || !is_text(text) || (digits > 0 && digits < text.size())) return;
     ++rows;
-    for (const char c : line.text) letters[static_cast<std::uint8_t>(c)] = true;
+    in_rows += line.bytes;
+    for (const char c : text) letters[static_cast<std::uint8_t>(c)] = true;
   });
   const auto different = static_cast<std::size_t>(std::count(letters.begin(), letters.end(), true));
-  const bool is_most = 2 * rows * frame_columns > bytes.size();
-  if (rows < frame_rows || different > most_letters || !is_most) return std::nullopt;
+  if (rows < frame_rows || different > most_letters || 2 * in_rows <= bytes.size()) return std::nullopt;
   return evidence_of(bytes, "a picture drawn with letters, without temperatures",
                      "turn on the temperatures in the camera's sketch (Adafruit: PRINT_TEMPERATURES)");
 }
@@ -198,6 +235,148 @@ std::size_t frames_in_a_row(Bytes bytes, std::size_t size, IsFrame is_frame) {
     best = std::max(best, frames);
   }
   return best;
+}
+
+/// A protocol whose frames have a mark, a length and a check sum.
+struct Framed {
+  std::string_view name, mark;
+  std::size_t (*size)(Bytes frame);  // by its first six bytes; 0: none
+};
+constexpr auto framed_protocols = std::to_array<Framed>(
+    {{"WitMotion packets (55 5x)", "\x55",
+      [](Bytes frame) { return frame[1] >= 0x50 && frame[1] <= 0x5F ? std::size_t{11} : std::size_t{0}; }},
+     {"Xsens messages (FA FF)", "\xFA\xFF", [](Bytes frame) { return std::size_t{frame[3]} + 5; }},
+     {"MicroStrain packets (75 65)", "\x75\x65", [](Bytes frame) { return std::size_t{frame[3]} + 6; }},
+     {"HiPNUC packets (5A A5)", "\x5A\xA5",
+      [](Bytes frame) { return std::size_t{wire::u16_at(frame, 2)} + 6; }},
+     {"MAVLink packets (FE)", "\xFE", [](Bytes frame) { return std::size_t{frame[1]} + 8; }},
+     {"MAVLink 2 packets (FD)", "\xFD", [](Bytes frame) {
+        return std::size_t{frame[1]} + 12 + ((frame[2] & 1U) != 0 ? std::size_t{13} : std::size_t{0});
+      }}});
+
+bool begins_with(Bytes bytes, std::string_view mark) {
+  return bytes.size() >= mark.size() &&
+         std::equal(mark.begin(), mark.end(), bytes.begin(),
+                    [](char c, std::uint8_t byte) { return static_cast<std::uint8_t>(c) == byte; });
+}
+
+/// The bytes of frames in a row from `at` on.
+std::size_t chain_of(Bytes bytes, const Framed& framed, std::size_t& frames) {
+  std::size_t at = 0;
+  for (frames = 0; at + 6 <= bytes.size() && begins_with(bytes.subspan(at), framed.mark); ++frames) {
+    const std::size_t size = framed.size(bytes.subspan(at, 6));
+    if (size == 0 || at + size > bytes.size()) break;
+    at += size;
+  }
+  return at;
+}
+
+/// Marks and lengths of a protocol that is read fit throughout, and no frame of it was read: its check sums
+/// do not fit.
+std::optional<Evidence> wrong_sums(Bytes bytes) {
+  constexpr std::size_t convincing = 5;  // the marks are short
+  for (const Framed& framed : framed_protocols)
+    for (std::size_t at = 0, tried = 0; at + 6 <= bytes.size() && tried < 64; ++at) {
+      if (!begins_with(bytes.subspan(at), framed.mark)) continue;
+      ++tried;
+      std::size_t frames = 0;
+      const std::size_t size = chain_of(bytes.subspan(at), framed, frames);
+      if (frames < convincing || 2 * size < bytes.size()) continue;
+      return evidence_of(
+          bytes, fmt::format("{} {} whose check sums are all wrong", frames, framed.name),
+          "take the dump with a program that keeps every byte (no terminal, no line ends changed); else its "
+          "firmware forms another sum, which is not read");
+    }
+  return std::nullopt;
+}
+
+/// The same with lines of text, "$VNIMU,...*68".
+std::optional<Evidence> wrong_sums_of_vectornav(Bytes bytes) {
+  std::size_t lines = 0, of_vectornav = 0, right = 0;
+  for_each_line(bytes, [&](const RawLine& line) {
+    lines += is_blank(line.text) ? 0U : 1U;
+    const std::size_t star = line.text.rfind('*');
+    if (!line.text.starts_with("$VN") || star == line.text.npos || star + 3 != line.text.size()) return;
+    ++of_vectornav;
+    std::uint8_t sum = 0;
+    for (const char c : line.text.substr(1, star - 1))
+      sum = static_cast<std::uint8_t>(sum ^ static_cast<std::uint8_t>(c));
+    right += fmt::format("{:02X}", sum) == line.text.substr(star + 1) ? 1U : 0U;
+  });
+  if (right > 0 || of_vectornav < frames_needed || 2 * of_vectornav < lines) return std::nullopt;
+  return evidence_of(bytes,
+                     fmt::format("{} messages of a VectorNav whose check sums are all wrong", of_vectornav),
+                     "take the dump with a program that keeps every byte");
+}
+
+/// A BNO08x in its mode for robot cleaners: AA AA, a count, three angles, three accelerations, a sum.
+std::optional<Evidence> bno08x_rvc(Bytes bytes) {
+  const std::size_t frames = frames_in_a_row(bytes, 19, [](Bytes frame) {
+    unsigned sum = 0;
+    for (const std::uint8_t byte : frame.subspan(2, 16)) sum += byte;
+    return frame[0] == 0xAA && frame[1] == 0xAA && frame[18] == (sum & 0xFFU);
+  });
+  if (frames < frames_needed) return std::nullopt;
+  return evidence_of(
+      bytes,
+      fmt::format("RVC packets of a BNO08x ({} in a row): angles and accelerations, no rates of turn",
+                  frames),
+      "another sketch: Adafruit_BNO08x, more_reports, prints its gyro (--gyro-protocol "
+      "adafruit-bno08x)");
+}
+
+/// Two bytes that come again and again, always as far apart, where nothing else stays the same: the mark of a
+/// layout that nobody knows.
+std::optional<Evidence> unknown_mark(Bytes bytes) {
+  if (is_readable(bytes)) return std::nullopt;
+  const auto is_same = [&](std::size_t at, std::size_t period) {
+    for (std::size_t other = at + period; other < bytes.size(); other += period)
+      if (bytes[other] != bytes[at]) return false;
+    return true;
+  };
+  struct Run {
+    std::size_t at = 0, size = 0;
+  };
+  const auto mark_of = [&](std::size_t period) {  // the longest run; size 0: there is none, or several
+    Run longest, run;
+    bool is_only = false;
+    std::size_t same = 0;
+    for (std::size_t at = 0; at < period; ++at) {
+      const bool goes_on = is_same(at, period);
+      same += goes_on ? 1U : 0U;
+      run = goes_on ? Run{run.size == 0 ? at : run.at, run.size + 1} : Run();
+      if (run.size == longest.size && run.at != longest.at) is_only = false;
+      if (run.size <= longest.size) continue;
+      longest = run;
+      is_only = true;
+    }
+    const bool is_mark = is_only && longest.size >= 2 && longest.size <= 16 && 3 * same < 2 * period;
+    const bool is_gy_mcu90640 = begins_with(bytes.subspan(longest.at), "\x5A\x5A\x02\x06");
+    return is_mark && !is_gy_mcu90640 ? longest : Run();
+  };
+  const auto evidence = [&](std::size_t period, std::string_view what, std::string advice) {
+    if (bytes.size() < 5 * period) return std::optional<Evidence>();
+    const Run mark = mark_of(period);
+    if (mark.size == 0) return std::optional<Evidence>();
+    return std::optional(evidence_of(
+        bytes,
+        fmt::format("{} of {} bytes, each with the mark {:02X}: a layout that is not read, or values "
+                    "that are none",
+                    what, period, fmt::join(bytes.subspan(mark.at, mark.size), " ")),
+        std::move(advice)));
+  };
+  constexpr std::size_t longest_rest = 32;
+  for (std::size_t period = 8; period <= 64; ++period)
+    if (auto found = evidence(period, "frames",
+                              "let the sketch print the gyro's rates as text, with their unit "
+                              "(protocols/text_gyro.md)"))
+      return found;
+  for (const std::size_t pixel_bytes : {std::size_t{1}, std::size_t{2}, std::size_t{4}})
+    for (std::size_t rest = 2; rest <= longest_rest; ++rest)
+      if (auto found = evidence(pixel_bytes * frame_pixels + rest, "images",
+                                "let the sketch send a layout of protocols/binary_camera.md, or text"))
+        return found;
+  return std::nullopt;
 }
 
 /// WitMotion's sensors with Bluetooth, over USB as well: no check sum, no time, and a length that differs.
@@ -283,8 +462,15 @@ std::optional<Evidence> msp(Bytes bytes) {
 }  // namespace
 
 std::optional<Evidence> recognise_foreign(std::span<const std::uint8_t> bytes) {
-  for (const auto recognise : {git_lfs_pointer, utf16_text, hex_text, image_text, picture_of_letters,
-                               single_pixels, images_without_mark, witmotion_ble, modbus, teapot, msp})
+  for (const auto recognise :
+       {git_lfs_pointer, utf16_text, hex_text, image_text, picture_of_letters, single_pixels, witmotion_ble,
+        modbus, teapot, msp, bno08x_rvc, wrong_sums_of_vectornav})
+    if (std::optional<Evidence> found = recognise(bytes)) return found;
+  return std::nullopt;
+}
+
+std::optional<Evidence> recognise_unread(std::span<const std::uint8_t> bytes) {
+  for (const auto recognise : {wrong_sums, unknown_mark, images_without_mark})
     if (std::optional<Evidence> found = recognise(bytes)) return found;
   return std::nullopt;
 }

@@ -32,6 +32,7 @@ class Line {
  public:
   void take(char c) {
     ++bytes_;
+    if (c == '\0') return;  // the end of a C string, sent with it
     const bool is_of_token = is_letter(c) || is_digit(c) || c == '.' || c == '-' || c == '+';
     if (is_of_token && token_.size() <= token_bytes_max) token_ += c;
     if (is_of_token) return;
@@ -46,14 +47,22 @@ class Line {
   }
 
   std::size_t bytes() const { return bytes_; }
-  std::size_t numbers() const { return numbers_; }
-  bool is_temperatures() const { return !is_broken_ && has_decimals_; }
+  /// A whole number in front of 768 with decimals is a count or a time, no pixel.
+  bool is_numbered() const { return numbers_ == frame_pixels + 1 && begins_with_count(); }
+  /// Such a number in front of 767: a pixel is missing.
+  bool is_short_of_one() const { return numbers_ == frame_pixels && begins_with_count(); }
+  std::size_t numbers() const { return is_numbered() ? numbers_ - 1 : numbers_; }
+  bool is_temperatures() const {
+    return !is_broken_ && !(first_is_broken_ && !is_numbered()) && has_decimals_;
+  }
   std::span<const float> values() const {
-    return std::span(values_).first(std::min(numbers_, values_.size()));
+    return std::span(values_).first(std::min(numbers_, values_.size())).subspan(is_numbered() ? 1 : 0);
   }
   float sensor_temp_c() const { return sensor_temp_c_; }  // NaN: the line does not say it
 
  private:
+  bool begins_with_count() const { return without_point_ == 1 && !first_has_point_; }
+
   void end_token() {
     if (token_.empty()) return;
     const std::string token = std::exchange(token_, {});
@@ -61,7 +70,7 @@ class Line {
     const auto number = token.size() <= token_bytes_max ? read_number(token) : std::nullopt;
     const bool is_number = number && digits_of(token).size() + (token[0] == '+' ? 1U : 0U) == token.size();
     if (is_number)
-      take_number(*number, token.find('.') != token.npos);
+      take_number(*number, token.find_first_of(".eE") != token.npos);
     else
       take_word(token);
   }
@@ -101,8 +110,12 @@ class Line {
   }
   void push(double number, bool is_decimal) {
     const auto temp_c = static_cast<float>(number);
-    is_broken_ |= !(temp_c >= coldest_pixel_c && temp_c <= hottest_pixel_c);
+    const bool is_pixel = temp_c >= coldest_pixel_c && temp_c <= hottest_pixel_c;
+    if (numbers_ == 0) first_is_broken_ = !is_pixel;
+    if (numbers_ > 0) is_broken_ |= !is_pixel;
     has_decimals_ |= is_decimal;
+    without_point_ += is_decimal ? 0U : 1U;
+    if (numbers_ == 0) first_has_point_ = is_decimal;
     if (numbers_ < values_.size()) values_[numbers_] = temp_c;
     ++numbers_;
     is_pushed_ = true;
@@ -114,15 +127,23 @@ class Line {
 
   std::size_t bytes_ = 0;
   std::string token_;
-  std::array<float, frame_pixels> values_{};
-  std::size_t numbers_ = 0;
+  std::array<float, frame_pixels + 1> values_{};
+  std::size_t numbers_ = 0, without_point_ = 0;
   bool has_decimals_ = false;
+  bool first_has_point_ = false;  // the first number
+  bool first_is_broken_ = false;
   bool is_broken_ = false;  // a value that is no temperature
   bool behind_number_ = false, is_pushed_ = false, drops_next_ = false;
   bool behind_word_ = false, is_ambient_ = false, value_is_decimal_ = false;
   std::optional<double> value_of_word_;
   float sensor_temp_c_ = unknown_c;
 };
+
+/// Whole numbers that differ, printed as "128.0".
+bool are_grey_values(std::span<const float> values) {
+  return std::all_of(values.begin(), values.end(), [](float value) { return value == std::trunc(value); }) &&
+         std::any_of(values.begin(), values.end(), [&](float value) { return value != values.front(); });
+}
 
 /// Reads frames of 768 temperatures as text: in one line, in 24 lines of 32, or a pixel a line with its row
 /// and column. Any chunking gives the same frames.
@@ -159,10 +180,15 @@ class TextCameraScanner {
   void end_line(std::vector<CameraMessage>& out) {
     line_.end();
     const Line line = std::exchange(line_, Line());
+    const bool was_joined = std::exchange(is_joined_, true);
     if (std::exchange(is_overlong_, false)) return lose(line);
     if (is_held_) line.numbers() == 0 ? complete(out) : drop_frame_without_mark();
     if (!std::isnan(line.sensor_temp_c())) sensor_temp_c_ = line.sensor_temp_c();
-    if (line.numbers() == frame_pixels) {
+    if (line.is_short_of_one()) {
+      lose(line);
+    } else if (line.numbers() == frame_pixels &&
+               is_numbered_.value_or(line.is_numbered()) == line.is_numbered()) {
+      if (was_joined) is_numbered_ = line.is_numbered();
       drop_frame();
       add(line, line.values());
     } else if (line.numbers() == 0) {
@@ -210,7 +236,7 @@ class TextCameraScanner {
 
   void complete(std::vector<CameraMessage>& out) {
     is_synced_ = true;
-    if (!is_temperatures_) {
+    if (!is_temperatures_ || is_half_an_image(temp_c_) || are_grey_values(temp_c_)) {
       ledger_.book_damaged(&wire::Counters::bad_value, bytes_);
     } else {
       CameraMessage& message = out.emplace_back();
@@ -260,13 +286,28 @@ class TextCameraScanner {
   bool is_held_ = false;      // the rows are there: the next line tells whether they are a frame
   bool is_overlong_ = false;  // the line that is being read
   bool behind_return_ = false;
-  bool is_synced_ = false;  // the next line may begin a frame, or goes on with one
+  bool is_joined_ = false;           // a line has ended: the first one may be the tail of one
+  std::optional<bool> is_numbered_;  // lines of 768, by the first whole one: a digit cut off is no count
+  bool is_synced_ = false;           // the next line may begin a frame, or goes on with one
   std::array<float, frame_pixels> temp_c_{};
   std::size_t pixels_ = 0;
   std::size_t bytes_ = 0;  // of the lines that hold them
   bool is_temperatures_ = true;
   float sensor_temp_c_ = unknown_c;
 };
+
+/// "Temp (F)", {"unit":"F"}, "71.2 degF".
+bool says_fahrenheit(std::span<const std::uint8_t> bytes) {
+  std::string text(bytes.begin(), bytes.end());
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  constexpr auto words =
+      std::to_array<std::string_view>({"fahrenheit", "degf", "deg f", "(f)", "[f]", "\"f\"",
+                                       "\xC2\xB0"
+                                       "f"});
+  return std::any_of(words.begin(), words.end(),
+                     [&](std::string_view word) { return text.find(word) != text.npos; });
+}
 
 CameraScanner text_camera_scanner(const CameraProfile&) {
   return CameraScanner(TextCameraScanner());
@@ -278,11 +319,16 @@ std::optional<Evidence> recognise_text_camera(std::span<const std::uint8_t> byte
   scanner.push(bytes, messages);
   scanner.finish(messages);
   if (messages.empty()) return std::nullopt;
-  return Evidence{.messages = messages.size(),
-                  .bytes = scanner.counters().bytes_in_messages,
-                  .text = fmt::format("{} image(s) of 768 temperatures as text", messages.size()),
-                  .text_format = {},
-                  .advice = advice_on_unit(messages.front().frame)};
+  Evidence evidence{.messages = messages.size(),
+                    .bytes = scanner.counters().bytes_in_messages,
+                    .text = fmt::format("{} image(s) of 768 temperatures as text", messages.size()),
+                    .text_format = {},
+                    .advice = advice_on_unit(messages.front().frame)};
+  if (const std::string doubt = doubt_on_unit(messages.front().frame); !doubt.empty())
+    evidence.text += "; " + doubt;
+  if (says_fahrenheit(bytes))
+    evidence.advice = "its words say Fahrenheit: print degrees Celsius in the sketch";
+  return evidence;
 }
 
 }  // namespace
@@ -295,7 +341,8 @@ CameraProtocol text_camera() {
           .message_bytes = usual_frame_bytes,
           .scanner = text_camera_scanner,
           .recognise = recognise_text_camera,
-          .merges_halves = true};
+          .merges_halves = true,
+          .doubt = doubt_on_unit};
 }
 
 }  // namespace thermorig::sensors

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view blanks = " \t\v\f";
 constexpr std::string_view separators = ",; \t\v\f";
 constexpr std::string_view opening = "[{(\"'";
-constexpr std::string_view before_names = "[{(\"'#$";
+constexpr std::string_view before_names = "[{(\"'#$>";  // ">gx:1.5": Teleplot's
 constexpr std::string_view closing = "]})\"'";
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 constexpr char escape = '\x1b';
@@ -77,6 +77,7 @@ std::optional<RawLine> first_line(std::span<const std::uint8_t> bytes, bool ende
 }
 
 std::string_view plain_text(std::string_view line, std::string& room) {
+  while (line.starts_with('\0')) line.remove_prefix(1);  // the end of a C string, sent with the line before
   if (line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
   if (line.find(escape) == line.npos) return line;
   room.clear();

@@ -2,6 +2,7 @@
 #include "thermorig/sensors/text_format.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -175,8 +177,39 @@ bool fits(const GyroSketch& sketch, const TextTable& table) {
   if (sketch.gravity == 0.0) return true;
   std::vector<std::size_t> accelerations;
   for (const std::size_t column : table.number_columns())
-    if (table.columns[column].meaning.quantity == Quantity::acceleration) accelerations.push_back(column);
+    if (table.columns[column].meaning.quantity == Quantity::acceleration ||
+        (sketch.first_number >= 0 && accelerations.size() < static_cast<std::size_t>(sketch.first_number)))
+      accelerations.push_back(column);
   return accelerations.size() == axes && measure_gravity(table, accelerations, sketch.gravity);
+}
+
+/// Four numbers, perhaps with an accuracy behind them, that are as long as 1: "w: 0.99 x: ... z: ...".
+bool is_quaternion(const TextTable& table) {
+  constexpr std::size_t rows_of_chance = 4;
+  std::vector<std::size_t> numbers;
+  for (const std::size_t column : table.number_columns())
+    if (table.columns[column].meaning.quantity != Quantity::time) numbers.push_back(column);
+  if (table.rows.size() < rows_of_chance || (numbers.size() != 4 && numbers.size() != 5)) return false;
+  return std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
+    const double norm = std::hypot(std::hypot(row[numbers[0]], row[numbers[1]]),
+                                   std::hypot(row[numbers[2]], row[numbers[3]]));
+    return std::abs(norm - 1.0) < 0.02;
+  });
+}
+
+/// A column of a few whole numbers that come by turns and say whose line it is: "imu=1". `numbers` gets them.
+bool names_sensors(const TextTable& table, std::size_t column, std::set<double>& numbers) {
+  std::string name;
+  for (const char c : table.columns[column].name)
+    if (is_letter(c)) name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  constexpr auto words = std::to_array<std::string_view>({"id", "imu", "imuid", "sensor", "sensorid", "dev",
+                                                          "device", "deviceid", "node", "nodeid", "channel",
+                                                          "ch", "addr", "address", "mpu", "board"});
+  if (!table.columns[column].is_number || std::find(words.begin(), words.end(), name) == words.end())
+    return false;
+  for (const auto& row : table.rows) numbers.insert(row[column]);
+  constexpr std::size_t sensors_most = 8;
+  return numbers.size() > 1 && numbers.size() <= sensors_most && 2 * numbers.size() <= table.rows.size();
 }
 
 /// Finds the lines of rates on a page, and says why.
@@ -201,7 +234,13 @@ class Recogniser {
           "its numbers have decimal commas, or commas that group digits, and a comma separates columns",
           "print points; of a file whose columns lie between semicolons or tabs: tr , . <FILE | thermorig "
           "decode --device gyro -");
-    if (const TextTable* named = best_named()) return of_named(*named);
+    const TextTable* const named = best_named();
+    if (is_quaternion(*most_frequent()) &&
+        (named == nullptr || (named == most_frequent() && scale_of(*named, named_rates(*named)) == 0.0))) {
+      note(Quantity::quaternion);
+      return refuse_other_things();
+    }
+    if (named != nullptr) return of_named(*named);
     if (const GyroSketch* sketch = sketch_of_order()) return of_order(*sketch);
     for (const TextTable& table : page_.tables)
       if (const std::string name = named_twice(table); is_enough(table) && !name.empty())
@@ -260,7 +299,8 @@ class Recogniser {
   const TextTable* table_of(const GyroSketch& sketch) const {
     for (const TextTable& table : page_.tables)
       if (is_enough(table) && table.prefix.starts_with(sketch.mark) &&
-          table.number_columns().size() == static_cast<std::size_t>(sketch.first_number) + axes)
+          table.number_columns().size() == static_cast<std::size_t>(sketch.first_number) + axes &&
+          fits(sketch, table))
         return &table;
     return nullptr;
   }
@@ -475,6 +515,7 @@ class Recogniser {
   TextFormat finish() {
     name_sketch();
     remark_on_rest();
+    remark_on_sums();
     add_remark_on_resolution();
     if (reads_other_lines()) format_.columns.prefix = longest_prefix(*table_);
     if (table_->sample_line.size() > text_line_bytes_max) {
@@ -484,6 +525,9 @@ class Recogniser {
     } else if (has_unsigned_counts()) {
       format_.refusal = "its counts have lost their sign (65535 for -1)";
       format_.advice = "keep them in an int16_t before they are printed";
+    } else if (const std::string sensors = several_sensors(); !sensors.empty()) {
+      format_.refusal = fmt::format("its lines are of several sensors ({})", sensors);
+      format_.advice = "print one of them";
     } else if (changes_unit()) {
       format_.refusal = "the unit on its lines changes";
       format_.advice = "print one unit, or give decode the part of the file that has it";
@@ -507,6 +551,16 @@ class Recogniser {
       }
     }
     return is_large;
+  }
+
+  /// "imu is 1, 2"; empty: of one.
+  std::string several_sensors() const {
+    for (std::size_t column = 0; column < table_->columns.size(); ++column) {
+      std::set<double> numbers;
+      if (names_sensors(*table_, column, numbers))
+        return fmt::format("\"{}\" is {:g}", table_->columns[column].name, fmt::join(numbers, ", "));
+    }
+    return "";
   }
 
   /// Lines that would be read alike say another unit.
@@ -575,6 +629,13 @@ class Recogniser {
         "the rates never change ({:g} in {} lines): is there no sensor behind it? Check its wires and "
         "its address",
         value, table_->rows.size()));
+  }
+
+  void remark_on_sums() {
+    if (page_.with_sums < rows_of_a_rest || 4 * page_.with_right_sums > page_.with_sums) return;
+    format_.remarks.emplace_back(
+        "its lines end with a sum (*hh) that is not the XOR nor the sum of their characters: they are read "
+        "unchecked, and one that was damaged goes unseen");
   }
 
   void add_remark_on_resolution() {

@@ -78,6 +78,28 @@ bool set_device_time(double number, double unit_s, GyroReading& reading) {
   return true;
 }
 
+/// At the end of a line, and as they would be formed.
+struct Sums {
+  unsigned said = 0;
+  std::array<unsigned, 2> of_kinds{};  // XOR, sum
+};
+
+std::optional<Sums> sums_of(std::string_view line) {
+  Sums sums;
+  const std::size_t star = line.size() < 3 ? line.npos : line.find_last_not_of(" \t") - 2;
+  const bool has_sum =
+      star < line.size() && line[star] == '*' &&
+      std::from_chars(&line[star] + 1, &line[star] + 3, sums.said, 16).ptr == &line[star] + 3;
+  if (!has_sum) return std::nullopt;
+  std::string_view summed = line.substr(0, star);
+  summed.remove_prefix(std::min(summed.rfind('$') + 1, summed.size()));  // npos + 1: all of it
+  for (const char c : summed) {
+    sums.of_kinds[0] ^= static_cast<std::uint8_t>(c);
+    sums.of_kinds[1] = (sums.of_kinds[1] + static_cast<std::uint8_t>(c)) & 0xFFU;
+  }
+  return sums;
+}
+
 }  // namespace
 
 TextLine read_text_line(const TextColumns& columns, std::string_view line, std::string& room) {
@@ -98,22 +120,18 @@ TextLine read_text_line(const TextColumns& columns, std::string_view line, std::
   return result;
 }
 
+std::optional<bool> has_right_sum(std::string_view line) {
+  const std::optional<Sums> sums = sums_of(line);
+  if (!sums) return std::nullopt;
+  return std::find(sums->of_kinds.begin(), sums->of_kinds.end(), sums->said) != sums->of_kinds.end();
+}
+
 bool LineSum::is_wrong(std::string_view line) {
-  const std::size_t star = line.size() < 3 ? line.npos : line.find_last_not_of(" \t") - 2;
-  unsigned told = 0;
-  const bool has_sum = star < line.size() && line[star] == '*' &&
-                       std::from_chars(&line[star] + 1, &line[star] + 3, told, 16).ptr == &line[star] + 3;
-  if (!has_sum) return kind_.has_value();
-  std::string_view summed = line.substr(0, star);
-  summed.remove_prefix(std::min(summed.rfind('$') + 1, summed.size()));  // npos + 1: all of it
-  std::array<std::uint8_t, 2> sums{};
-  for (const char c : summed) {
-    sums[0] = static_cast<std::uint8_t>(sums[0] ^ static_cast<std::uint8_t>(c));
-    sums[1] = static_cast<std::uint8_t>(sums[1] + static_cast<std::uint8_t>(c));
-  }
-  if (kind_) return sums[*kind_] != told;
-  for (std::size_t kind = 0; kind < sums.size(); ++kind) {
-    fitted_[kind] = sums[kind] == told ? fitted_[kind] + 1 : 0;
+  const std::optional<Sums> sums = sums_of(line);
+  if (!sums) return kind_.has_value();
+  if (kind_) return sums->of_kinds[*kind_] != sums->said;
+  for (std::size_t kind = 0; kind < fitted_.size(); ++kind) {
+    fitted_[kind] = sums->of_kinds[kind] == sums->said ? fitted_[kind] + 1 : 0;
     if (fitted_[kind] > 1) kind_ = kind;
   }
   return false;

@@ -24,6 +24,9 @@ struct TextLine {
 /// Source: protocols/text_gyro.md.
 TextLine read_text_line(const TextColumns& columns, std::string_view line, std::string& room);
 
+/// Whether the sum at the end of a line is one of those below; none: it ends with no sum.
+std::optional<bool> has_right_sum(std::string_view line);
+
 /// What some devices end their lines with: "*5A", the XOR or the sum of the characters before it (behind a
 /// "$", where there is one). Which of them it is, or that it is neither, no line says: two that fit in a row
 /// do.

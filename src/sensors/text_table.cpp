@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "text_fields.h"
+#include "text_line.h"
 #include "thermorig/sensors/text_format.h"
 
 namespace thermorig::sensors {
@@ -293,6 +294,10 @@ class PageReader {
     const Parts parts = parts_of(text);
     if (leading_text(parts.columns).size() == parts.columns.size()) return add_heading(text);
     ++page_.rows;
+    if (const std::optional<bool> sum = has_right_sum(text)) {
+      ++page_.with_sums;
+      page_.with_right_sums += *sum ? 1U : 0U;
+    }
     page_.with_decimal_commas += has_decimal_commas(text) ? 1U : 0U;
     page_.with_stray_signs += has_stray_sign(text) ? 1U : 0U;
     add_row(text, parts);
@@ -358,10 +363,17 @@ std::vector<std::size_t> TextTable::number_columns() const {
 }
 
 bool is_readable(std::span<const std::uint8_t> bytes) {
-  const auto characters = std::count_if(bytes.begin(), bytes.end(), [](std::uint8_t byte) {
-    return byte == '\r' || byte == '\n' || byte == '\t' || (byte >= ' ' && byte < 0x7F);
-  });
-  return !bytes.empty() && static_cast<std::size_t>(characters) > bytes.size() - bytes.size() / 16;
+  std::size_t characters = 0;  // bytes of them
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    const std::uint8_t byte = bytes[i];
+    const bool is_pair =
+        byte >= 0xC2 && byte < 0xE0 && i + 1 < bytes.size() && (bytes[i + 1] & 0xC0U) == 0x80;
+    characters += byte == '\r' || byte == '\n' || byte == '\t' || (byte >= ' ' && byte < 0x7F) ? 1U : 0U;
+    if (!is_pair) continue;
+    characters += 2;  // of UTF-8: a degree sign, a Greek letter
+    ++i;
+  }
+  return !bytes.empty() && characters > bytes.size() - bytes.size() / 16;
 }
 
 std::optional<CountedLine> first_text_line(std::span<const std::uint8_t> bytes) {

@@ -38,6 +38,8 @@ struct TextPage {
   std::size_t lines = 0;  // of text, that are not blank
   std::size_t with_decimal_commas = 0;
   std::size_t with_stray_signs = 0;  // "gy: - 0.17"
+  std::size_t with_sums = 0;         // that end with "*5A"
+  std::size_t with_right_sums = 0;
   std::size_t with_minus_signs = 0;  // U+2212 in front of a digit
   bool headers_differ = false;       // two of them name the same columns in other ways
   std::size_t with_hex = 0;          // three numbers or more: "0x1F"

@@ -199,12 +199,18 @@ void skip_gap(Front& front) {
   }
 }
 
-/// "/s", " per second", "_s", "ps", "/min": seconds; 0: nothing of the kind.
+/// "/s", " per second", "_s", "ps", " s^-1", "/min", "/h": seconds; 0: nothing of the kind.
 double take_per_time(Front& front) {
   const bool is_joined = Front(front).take("_");
   skip_gap(front);
-  if (!front.take_any({"/", "per", "p", ".", "s^-1"}) && !is_joined) return 0.0;
+  if (front.take_any({"s^-1", "s-1"})) return 1.0;
+  if (!front.take_any({"/", "per", "p", "."}) && !is_joined) return 0.0;
   skip_gap(front);
+  Front hours = front;
+  if (hours.take_any({"hours", "hour", "hr", "h"}) && hours.at_word_end()) {
+    front = hours;
+    return 3600.0;
+  }
   Front minutes = front;
   if (minutes.take_any({"minutes", "minute", "min"}) && minutes.at_word_end()) {
     front = minutes;

@@ -157,11 +157,19 @@ std::optional<Evidence> recognise_witmotion(Bytes bytes, double) {
   WitmotionScanner scanner;
   std::vector<GyroMessage> messages;
   scanner.push(bytes, messages);
-  if (messages.size() < 2) return std::nullopt;
-  return Evidence{.messages = messages.size(),
-                  .bytes = scanner.counters().bytes_in_messages,
-                  .text = fmt::format("{} WitMotion gyro packets", messages.size()),
-                  .text_format = {}};
+  if (messages.size() >= 2)
+    return Evidence{.messages = messages.size(),
+                    .bytes = scanner.counters().bytes_in_messages,
+                    .text = fmt::format("{} WitMotion gyro packets", messages.size()),
+                    .text_format = {}};
+  constexpr std::uint64_t convincing_packets = 8;  // a packet's sum is weak, and few may be answers
+  if (!messages.empty() || scanner.counters().replies < convincing_packets) return std::nullopt;
+  return Evidence{
+      .messages = 0,
+      .bytes = scanner.counters().bytes_in_messages,
+      .text = fmt::format("no rates of turn among {} good WitMotion packets", scanner.counters().replies),
+      .text_format = {},
+      .advice = "let it send its angular velocity (packet 52) too: the maker's tool, or register 02"};
 }
 
 /// It sends by itself, and is asked what its low-pass is set to.

@@ -332,6 +332,30 @@ void add_refused_gyros(std::vector<DeviceLayout>& all) {
         return packet + "\r\n";
       },
       "quaternion"));
+  all.push_back(refused(
+      "BNO08x in RVC mode",
+      [](int i) {
+        std::string body(16, '\0');
+        body[0] = static_cast<char>(i);
+        unsigned sum = 0;
+        for (std::size_t at = 1; at < 13; ++at)
+          body[at] = static_cast<char>(7 * i + 11 * static_cast<int>(at));
+        for (const char c : body) sum += static_cast<std::uint8_t>(c);
+        body += static_cast<char>(sum);
+        return "\xAA\xAA" + body;
+      },
+      "no rates of turn"));
+  all.push_back(refused(
+      "VectorNav with wrong sums", [](int) { return std::string("$VNIMU,+01.18,-00.24*00\r\n"); },
+      "check sums are all wrong"));
+  all.push_back(refused(
+      "two sensors by turns",
+      [](int i) {
+        const auto rate = rates_dps(i);
+        return fmt::format("imu={} gx={:.2f} gy={:.2f} gz={:.2f} dps\r\n", 1 + i % 2, rate[0], rate[1],
+                           rate[2]);
+      },
+      "several sensors"));
   const auto angles = [&](const char* name, const char* form) {
     all.push_back(refused(
         name,
@@ -403,6 +427,21 @@ std::vector<DeviceLayout> camera_layouts() {
         return text + "\r\n";
       },
       "MLX90640 IR Array Example\r\n", "ten"));
+  all.push_back(camera("a count in front", [](int i) {
+    return fmt::format("{},", 1000 + 250 * i) + pixels(i, 768, ",", "\r\n");
+  }));
+  all.push_back(camera(
+      "degrees Fahrenheit", [](int i) { return "Temp (F)\r\n" + pixels(i, 768, ",", "\r\n"); }, "",
+      "Fahrenheit"));
+  all.push_back(camera(
+      "half-images",
+      [](int i) {
+        std::string text;
+        for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel)
+          text += (pixel / 32 + pixel) % 2 == 0 ? fmt::format("{:.2f},", temperature_c(i, pixel)) : "0.00,";
+        return text + "\r\n";
+      },
+      "", "half-images"));
   all.push_back(camera("blanks between", [](int i) { return pixels(i, 768, " ", "\r\n"); }));
   all.push_back(camera("commas between", [](int i) { return pixels(i, 768, ",", "\r\n"); }));
   all.push_back(camera(

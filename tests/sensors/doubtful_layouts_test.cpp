@@ -56,6 +56,39 @@ TEST(DoubtfulLayouts, WithoutRatesAreRefusedWithTheReason) {
   }
 }
 
+/// `form` of the line's number, of two noisy values and of 1 and 2 by turns.
+std::string lines(const char* form, int count = 40) {
+  std::string text;
+  for (int i = 0; i < count; ++i)
+    text += fmt::format(fmt::runtime(form), i, 0.01 * (i * 7 % 11), 0.01 * (i * 5 % 13), 1 + i % 2) + "\n";
+  return text;
+}
+
+TEST(DoubtfulLayouts, OfSeveralSensorsByTurnsAreRefused) {
+  for (const std::string& text : {lines("imu={3} gx={1:.2f} gy={2:.2f} gz=0.3 dps"),
+                                  "ms,id,gx_dps,gy_dps,gz_dps\n" + lines("{0},{3},{1:.2f},{2:.2f},0.3")}) {
+    const auto format = guess(text);
+    ASSERT_TRUE(format.has_value());
+    EXPECT_THAT(format->refusal, HasSubstr("several sensors")) << text.substr(0, 40);
+  }
+  EXPECT_THAT(guess(lines("id={0} gx={1:.2f} gy={2:.2f} gz=0.3 dps"))->refusal, IsEmpty()) << "a count";
+}
+
+TEST(DoubtfulLayouts, OfAQuaternionInLettersHoldNoRates) {
+  for (const char* form : {"w: 0.9950 x: {1:.4f} y: {2:.4f} z: 0.0100", "0.9950,{1:.4f},{2:.4f},0.0100"})
+    EXPECT_THAT(guess(lines(form))->refusal, HasSubstr("quaternions")) << form;
+}
+
+TEST(DoubtfulLayouts, OfAKnownMarkAskForTheUnitWhereTheAccelerationsAreOfAnotherRange) {
+  EXPECT_TRUE(guess(lines("a/g:\t-104\t52\t16500\t{0}\t5\t7"))->is_known());
+  EXPECT_FALSE(guess(lines("a/g:\t-26\t13\t4125\t{0}\t5\t7"))->is_known());
+  EXPECT_FALSE(guess(lines("a/g:\t0.01\t0.02\t1.01\t{1:.2f}\t{2:.2f}\t0.5"))->is_known());
+}
+
+TEST(DoubtfulLayouts, WithSumsThatNeverFitSayThatTheyAreReadUnchecked) {
+  EXPECT_THAT(guess(lines("$GYRO_DPS,{1:.2f},{2:.2f},{0}.5*1F"))->remarks, Contains(HasSubstr("unchecked")));
+}
+
 TEST(DoubtfulLayouts, WhoseKindsOfLinesBeginAlikeAreRefused) {
   std::string text;
   for (int i = 0; i < 20; ++i)

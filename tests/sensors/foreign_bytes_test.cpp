@@ -56,6 +56,37 @@ std::string repeated(const std::string& frame, int count) {
   return text;
 }
 
+/// `count` frames of `size` bytes that begin with `mark`; the others change.
+std::string marked(const std::string& mark, std::size_t size, int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) {
+    const ByteVector rest = random_bytes(size - mark.size(), static_cast<std::uint64_t>(i + 1));
+    text += mark + std::string(rest.begin(), rest.end());
+  }
+  return text;
+}
+
+std::string rvc(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) {
+    std::string body{static_cast<char>(i)};
+    body += std::string("\x10\x27\x20\x01\x05\x00\x30\x00\x40\x01\xE0\x03\0\0\0", 15);
+    unsigned sum = 0;
+    for (const char c : body) sum += static_cast<std::uint8_t>(c);
+    text += "\xAA\xAA" + body + static_cast<char>(sum);
+  }
+  return text;
+}
+
+std::string comma_image() {
+  std::string text;
+  for (int row = 0; row < 24; ++row) {
+    for (int i = 0; i < 32; ++i) text += fmt::format("21,{};", 10 + i);
+    text += "\n";
+  }
+  return text;
+}
+
 struct Foreign {
   std::string name, bytes, text, advice;
 };
@@ -77,6 +108,20 @@ const std::vector<Foreign> foreigners{
     {"a hex dump", hex("{:02x} ", " Uabc..\n", true), "hex text", "xxd -r FILE"},
     {"an MLX90641's picture", image(",", 192, 3), "form that is not read", "24 lines of 32"},
     {"rows of another length", image(", ", 40, 24), "form that is not read", "24 lines of 32"},
+    {"a picture with a time that has a point", image(",", 769, 3), "769 numbers", "before a colon"},
+    {"a picture with decimal commas", comma_image(), "decimal commas", "points"},
+    {"hundredths of a degree", repeated(repeated("2134,2207,", 384) + "\n", 3), "whole numbers up to 2207",
+     "Celsius"},
+    {"a picture of letters, two a pixel in colour",
+     repeated("\x1b[48;5;17m" + repeated("##..", 16) + "\x1b[0m\r\n", 48), "letters", "PRINT_TEMPERATURES"},
+    {"angles of a BNO08x", rvc(30), "RVC", "more_reports"},
+    {"WitMotion with wrong sums", repeated("\x55\x52\x01\x02\x03\x04\x05\x06\x07\x08\x01", 30), "wrong",
+     "every byte"},
+    {"a VectorNav with wrong sums", repeated("$VNIMU,+01.18,-00.24,+03.00*00\r\n", 30), "wrong",
+     "every byte"},
+    {"HiPNUC with wrong sums", marked(std::string("\x5A\xA5\x4C\x00", 4), 82, 30), "wrong", "every byte"},
+    {"images behind another mark", marked("\x55\xAA", 1538, 5), "mark 55 AA", "binary_camera.md"},
+    {"frames behind an unknown mark", marked("\xAA\x55", 16, 30), "mark AA 55", "text_gyro.md"},
     {"a Git LFS pointer", "version https://git-lfs.github.com/spec/v1\noid sha256:01\nsize 9\n", "Git LFS",
      "git lfs pull"},
     {"WitMotion over Bluetooth", "\x0F" + repeated(ble_frame, 50), "55 61", "55 52"},
@@ -117,7 +162,8 @@ TEST(ForeignBytes, AreNotSeenInWhatIsRead) {
        {csv(50), names + "\n" + wide, std::string("10 20 30 40 50 60 70 80\n10 20 30 40 50 60 71 81\n")})
     EXPECT_FALSE(sensors::recognise_foreign(bytes_of(text)).has_value()) << text.substr(0, 60);
   for (std::uint64_t seed = 1; seed <= 10; ++seed)
-    EXPECT_FALSE(sensors::recognise_foreign(random_bytes(20000, seed)).has_value());
+    for (const auto recognise : {sensors::recognise_foreign, sensors::recognise_unread})
+      EXPECT_FALSE(recognise(random_bytes(20000, seed)).has_value());
   ByteVector packets;
   for (std::int16_t i = 0; i < 200; ++i)
     for (const std::uint8_t byte : wire::witmotion_gyro_packet({i, 2, 3}, 30.0F)) packets.push_back(byte);

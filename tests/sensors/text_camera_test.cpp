@@ -72,6 +72,10 @@ const std::vector<Layout> layouts{
     {"JSON lines with the sensor's temperature in front",
      [](int frame) { return "{\"at\":24.50,\"data\":[" + pixels(frame, 768, ", ", "", "]}\n"); }, true},
     {"MicroPython's list", [](int frame) { return "[" + pixels(frame, 768, ", ", "]", "\n", "{:.15f}"); }},
+    {"a line behind a count",
+     [](int frame) { return fmt::format("{},", 1000 + 250 * frame) + pixels(frame, 768, ",", "", "\n"); }},
+    {"lines with the end of a C string",
+     [](int frame) { return pixels(frame, 768, ",", "", "\r\n") + std::string(1, '\0'); }},
     {"a pixel a line",
      [](int frame) {
        std::string text;
@@ -188,12 +192,12 @@ TEST(TextCamera, TakesRowsForAFrameBetweenMarksAlone) {
 }
 
 TEST(TextCamera, ReadsNoNumberOfAClockOrOfAFrameAsAPixel) {
-  for (const char* front : {"12:34:51.123 -> ", "Frame 3: ", "t=12 "}) {
+  for (const char* front : {"12:34:51.123 -> ", "Frame 3: ", "t=12 ", "t=12.5 "}) {
     std::string text;
     for (int frame = 0; frame < 3; ++frame) text += front + pixels(frame, 768, ",", "", "\n");
     const auto scan = scan_any_chunking<wire::CameraMessage>(scanner(), bytes_of(text), Stream::ends);
-    if (front[0] == 't') {
-      EXPECT_EQ(scan.messages.size(), 0U);  // nothing says that 12 is none
+    if (front == std::string("t=12.5 ")) {
+      EXPECT_EQ(scan.messages.size(), 0U);  // nothing says that 12.5 is none
       continue;
     }
     ASSERT_EQ(scan.messages.size(), 3U) << front;
@@ -211,6 +215,38 @@ TEST(TextCamera, NamesValuesThatAreNoDegreesCelsius) {
     ASSERT_FALSE(found.empty());
     EXPECT_FALSE(found[0].is_usable());
     EXPECT_THAT(found[0].evidence.advice, HasSubstr("Celsius"));
+  }
+}
+
+TEST(TextCamera, NamesFahrenheitByItsWordsAndDoubtsItByItsValues) {
+  std::string text;
+  for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel)
+    text += fmt::format("{:.2f},", temperature(0, pixel) * 1.8 + 32.0);
+  const auto bare = sensors::recognise(bytes_of(text + "\n" + text + "\n"), 2.0);
+  ASSERT_FALSE(bare.empty());
+  EXPECT_TRUE(bare[0].is_usable());
+  EXPECT_THAT(bare[0].evidence.text, HasSubstr("Fahrenheit"));
+  for (const char* words : {"Temp (F)\n", "{\"unit\":\"F\"}\n", "degF\n"}) {
+    const auto found = sensors::recognise(bytes_of(words + text + "\n" + text + "\n"), 2.0);
+    ASSERT_FALSE(found.empty());
+    EXPECT_THAT(found[0].evidence.advice, HasSubstr("Fahrenheit")) << words;
+  }
+}
+
+TEST(TextCamera, ReadsNeitherGreyValuesWithAPointNorHalvesOfAnImage) {
+  std::string grey, half;
+  for (int frame = 0; frame < 3; ++frame) {
+    grey += pixels(frame, 768, ",", "", "\n", "{:.0f}.0");
+    for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel)
+      half += (pixel / 32 + pixel) % 2 == 0 ? fmt::format("{:.2f},", temperature(frame, pixel)) : "0.00,";
+    half += "\n";
+  }
+  for (const auto& [text, reason] :
+       {std::pair(grey, "without temperatures"), std::pair(half, "half-images")}) {
+    const auto found = sensors::recognise(bytes_of(text), 2.0);
+    ASSERT_EQ(found.size(), 1U) << reason;
+    EXPECT_FALSE(found[0].is_usable());
+    EXPECT_THAT(found[0].evidence.text, HasSubstr(reason));
   }
 }
 

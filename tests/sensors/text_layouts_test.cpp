@@ -554,6 +554,21 @@ const std::vector<Layout> layouts{
     {"bare columns of three",
      [](const Values& v) { return fmt::format("{:.2f} {:.2f} {:.2f}", v.g(0), v.g(1), v.g(2)); }, 1.0, "",
      true, true},
+    {"units as s^-1 in a header",
+     [](const Values& v) { return fmt::format("{},{:.6f},{:.6f},{:.6f}", v.ms, v.g(0), v.g(1), v.g(2)); },
+     rad_s, "#timestamp [ms],wx [rad s^-1],wy [rad s^-1],wz [rad s^-1]\r\n"},
+    {"degrees per hour",
+     [](const Values& v) { return fmt::format("gyro {:.0f} {:.0f} {:.0f} deg/h", v.g(0), v.g(1), v.g(2)); },
+     1.0 / 3600.0},
+    {"Teleplot, an axis a line",
+     [](const Values& v) {
+       return fmt::format(">gx:{:.3f}\r\n>gy:{:.3f}\r\n>gz:{:.3f}", v.g(0), v.g(1), v.g(2));
+     },
+     1.0, "", false, true},
+    {"the end of a C string in front",
+     [](const Values& v) {
+       return std::string(1, '\0') + fmt::format("gx:{:.3f} gy:{:.3f} gz:{:.3f} dps", v.g(0), v.g(1), v.g(2));
+     }},
 };
 
 TEST(TextLayouts, AreReadByTheirWordsOrAskedFor) {

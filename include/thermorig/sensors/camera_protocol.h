@@ -32,6 +32,12 @@ inline constexpr std::string_view merged_halves =
 /// What to try where a sketch's values cannot be degrees Celsius of a room: Kelvin, or shares of a range.
 std::string advice_on_unit(const ThermalFrame& frame);
 
+/// Of a sketch's values that may be degrees Fahrenheit, which they do not say: a question; else empty.
+std::string doubt_on_unit(const ThermalFrame& frame);
+
+/// One chess half is 0 throughout: the sketch prints after each half-frame, or before it has read both.
+bool is_half_an_image(std::span<const float, frame_pixels> temp_c);
+
 /// All that the program knows of one camera protocol. Others ask this, and never compare names.
 struct CameraProtocol {
   std::string_view name;   // in profiles and sessions
@@ -54,6 +60,8 @@ struct CameraProtocol {
   /// A frame is two half-frames that a sketch has read one after the other: when each was exposed is not
   /// known to a refresh, which latency_uncertainty_s() allows for.
   bool merges_halves = false;
+  /// What is to be asked of the values of a frame, which a sketch has made; else empty. None: nothing.
+  std::string (*doubt)(const ThermalFrame& frame) = nullptr;
 };
 
 /// The table. The first one is what a profile has that names none.

@@ -54,6 +54,10 @@ struct Recognised {
 /// Nothing if the bytes are none of them.
 std::optional<Evidence> recognise_foreign(std::span<const std::uint8_t> bytes);
 
+/// The same of bytes that nothing else is made of: frames of a protocol that is read, but with wrong check
+/// sums; and those of a layout that nobody knows, by what comes again.
+std::optional<Evidence> recognise_unread(std::span<const std::uint8_t> bytes);
+
 /// All that recognise the bytes, which came in `heard_s` seconds (0: not known): this is the one table that
 /// ports, dumps and silent devices are judged by. What no protocol reads comes first, and excludes text.
 std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double heard_s);

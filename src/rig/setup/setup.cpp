@@ -173,6 +173,8 @@ std::string axis_text(const GyroProfile& gyro) {
   return fmt::format("{}{}", gyro.sign < 0 ? "-" : "+", "xyz"[std::clamp(gyro.axis, 0, 2)]);
 }
 
+constexpr double fewest_samples_hz = 8.0;  // of a gyro: as many as frames of a camera
+
 /// The images measure the turns without the gyro, so the ratio is the unit in which it sends.
 void take_unit(const Witnesses& witnesses, GyroProfile& gyro, SetupWorld& world) {
   if (!witnesses.images_share || !witnesses.gyro_share || !(std::abs(witnesses.gyro_share->value) > 0.0))
@@ -180,8 +182,10 @@ void take_unit(const Witnesses& witnesses, GyroProfile& gyro, SetupWorld& world)
                 "the images do not show how far the rig turned, so the gyro's unit is not known: " +
                     witnesses.images_why_not,
                 "gyro",
-                "point the camera at something with warm and cold edges, or say scale_dps in [gyro.text] of "
-                "the profile");
+                gyro.output_rate_hz < fewest_samples_hz
+                    ? "let the gyro print 50 samples a second or more: a frame without one is not used"
+                    : "point the camera at something with warm and cold edges, or say scale_dps in "
+                      "[gyro.text] of the profile");
   const double scale_dps =
       gyro.text.scale_dps * std::abs(witnesses.images_share->value / witnesses.gyro_share->value);
   const auto unit = sensors::usual_gyro_unit(scale_dps);
