@@ -473,15 +473,21 @@ std::vector<std::string> words_of(const CLI::App& command) {
   return words;
 }
 
-/// Options of former versions, and what to write in their place.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 3> options_that_are_gone{
-    {{"--odometer",
+/// An option of a former version, and what to write in its place.
+struct GoneOption {
+  std::string_view command, name, instead;
+};
+
+constexpr std::array<GoneOption, 3> options_that_are_gone{
+    {{"export", "--odometer",
       "the odometer runs on a computer (thermorig live); for a board there is the network: export MODEL "
       "--c-header"},
-     {"--cache",
+     {"train", "--cache",
       "frames that memory has no room for lie beside the output: write that to a large disk, or allow more "
       "--memory"},
-     {"--job", "one part of N of a study: --shard I/N; --list-jobs shows which jobs are open"}}};
+     {"evaluate", "--job",
+      "trainings at the same time: --jobs N; one part of N of a study: --shard I/N; --list-jobs shows which "
+      "jobs are open"}}};
 
 std::string what_to_read(const CLI::App& root) {
   const std::vector<std::string> left = root.remaining(true);
@@ -492,8 +498,9 @@ std::string what_to_read(const CLI::App& root) {
     help += command->get_name() + " ";
   }
   if (left.empty()) return help + "--help";
-  for (const auto& [name, instead] : options_that_are_gone)
-    if (left.front().substr(0, left.front().find('=')) == name) return std::string(instead);
+  const std::string slip = left.front().substr(0, left.front().find('='));
+  for (const auto& [owner, name, instead] : options_that_are_gone)
+    if (command->get_name() == owner && slip == name) return std::string(instead);
   const auto meant = nearest_name(left.front(), words_of(*command));
   return (meant ? "did you mean " + *meant + "? " : "") + help + "--help";
 }

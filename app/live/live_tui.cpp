@@ -223,8 +223,8 @@ class LiveTui : public LiveScreen {
     const std::optional<float> gain = live::gain_of(frame.estimators, row);
     const std::string gate =
         gain ? "Kg " + (std::isnan(*gain) ? "-" : fmt::format("{:.2f}", *gain)) + "  " : "";
-    return text + fmt::format("\n{}counted {}  excluded {}  {} us\n", gate, frame.scores.counted,
-                              frame.scores.excluded, plain_figure(frame.inference_us));
+    return text + fmt::format("\n{}counted {}  excluded {}  error and RMSE in deg/s  {} us\n", gate,
+                              frame.scores.counted, frame.scores.excluded, plain_figure(frame.inference_us));
   }
 
   OutputWriter& output_;

@@ -46,7 +46,7 @@ std::string place(const char* what, std::uint64_t index, const StreamSpan& span)
 }
 
 std::string body_text(const ServoState& state) {
-  return fmt::format("{:>9.6f} s {:+7.2f} deg {:+7.2f} deg/s {:6.1f} us {}{}{}", state.mcu_us * 1e-6,
+  return fmt::format("{:>9.6f} s {:+7.2f} deg {:+7.2f} deg/s pulse {:6.1f} us {}{}{}", state.mcu_us * 1e-6,
                      state.angle_deg, state.rate_dps, state.pulse_us, name_in(motion_names, state.motion),
                      state.leg > 0 ? fmt::format("  leg {}", state.leg) : "",
                      state.fault == ServoFault::none ? "" : "  FAULT " + name_in(fault_names, state.fault));

@@ -81,7 +81,7 @@ std::string bound_table(const SyncReport& sync) {
   return table.text();
 }
 
-/// Where messages are missing or a clock began anew: how often in all. A line where nothing is and none did.
+/// Where messages are missing or a clock was reset: how often in all. A line where nothing is and none was.
 std::string gap_table(const SyncReport& sync) {
   Table table({"gaps", ">count", ">missing", ">longest", ">epochs"});
   bool is_broken = false;

@@ -21,6 +21,7 @@
 #include "decode_advice.h"
 #include "print/decoded_text.h"
 #include "print/output.h"
+#include "print/terminal_width.h"
 #include "print/text_columns.h"
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/error.h"
@@ -131,6 +132,7 @@ class MessagePrinter {
  public:
   explicit MessagePrinter(const DecodeOptions& options)
       : json_(options.json),
+        width_(isatty(STDOUT_FILENO) != 0 ? terminal_width() : std::string::npos),
         most_(options.all ? every : options.lines.value_or(options.json ? every : usual_lines)) {}
 
   template <typename Message>
@@ -138,7 +140,7 @@ class MessagePrinter {
     const std::uint64_t index = count_++;
     if (index >= most_) return;
     const std::string line =
-        json_ ? json_line(message_json(message, index)) : folded(text_of(message, index) + "\n");
+        json_ ? json_line(message_json(message, index)) : folded(text_of(message, index) + "\n", width_);
     write_to(stdout, line);
   }
 
@@ -149,6 +151,7 @@ class MessagePrinter {
   static constexpr std::uint64_t every = std::numeric_limits<std::uint64_t>::max();
 
   bool json_;
+  std::size_t width_;  // elsewhere than on a terminal a message is one line, for grep, awk and wc
   std::uint64_t most_;
   std::uint64_t count_ = 0;
 };

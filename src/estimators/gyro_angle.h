@@ -24,7 +24,7 @@ inline double mean_shift_dps(double change_dps, double length_s, const GyroProfi
   return length_s > 0.0 ? change_dps * std::min(1.0, time_s / length_s) : 0.0;
 }
 
-/// No order of messages and no fit of a clock sets times back so far: its device's clock began anew.
+/// No order of messages and no fit of a clock sets times back so far: its device's clock was reset.
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
 
 /// The least and the greatest rate of some samples.

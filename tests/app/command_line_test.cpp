@@ -163,7 +163,11 @@ TEST_F(CommandLine, SaysWhatToWriteForAnOptionThatIsGone) {
                 HasSubstr("--sync takes milliseconds"))
         << word;
   EXPECT_THAT(run("train a.h5 --cache=/var/tmp").err, HasSubstr("allow more --memory"));
-  EXPECT_THAT(run("evaluate --study a.h5 -o b --job 4").err, HasSubstr("--shard I/N"));
+  EXPECT_THAT(run("evaluate --study a.h5 -o b --job 4").err,
+              AllOf(HasSubstr("--jobs N"), HasSubstr("--shard I/N")));
+  EXPECT_THAT(run("export a.onnx --odometer").err, HasSubstr("--c-header"));
+  EXPECT_THAT(run("record -e a --simulated --cache=/var/tmp").err,
+              AllOf(HasSubstr("there is no option --cache"), Not(HasSubstr("--memory"))));
 }
 
 TEST_F(CommandLine, CompletesCommandsOptionsAndValues) {

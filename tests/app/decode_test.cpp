@@ -13,6 +13,7 @@
 namespace thermorig::tests {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using Bytes = std::vector<std::uint8_t>;
@@ -140,6 +141,15 @@ TEST_F(Decode, PrintsTheFirstFewMessagesUnlessAllAreAskedFor) {
   EXPECT_THAT(run("decode --device gyro --all dump.bin").out, HasSubstr("sample 24 "));
   EXPECT_EQ(run("decode --device gyro --json dump.bin").lines().size(), 26U);
   EXPECT_EQ(run("decode --device gyro --json --lines 4 dump.bin").lines().size(), 5U);
+}
+
+TEST_F(Decode, PrintsAMessageInOneLineUnlessATerminalIsNarrower) {
+  write("dump.bin", gyro_dump(3));
+  setenv("COLUMNS", "40", 1);
+  const std::string in_a_file = run("decode --device gyro dump.bin").out;
+  const std::string on_a_terminal = run_on_terminal("COLUMNS=60", "decode --device gyro dump.bin").out;
+  EXPECT_THAT(in_a_file, ContainsRegex("sample 1 [^\n]* degC\n"));
+  EXPECT_THAT(on_a_terminal, Not(ContainsRegex("sample 1 [^\n]* degC")));
 }
 
 TEST_F(Decode, ReadsStandardInput) {
@@ -303,7 +313,7 @@ TEST_F(Decode, ShowsTelemetryOfTheServo) {
   write("dump.bin", bytes);
   const Outcome outcome = run("decode --device servo dump.bin");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("-80.00 deg/s"));
+  EXPECT_THAT(outcome.out, HasSubstr("-80.00 deg/s pulse 1500.0 us steady"));
   EXPECT_THAT(outcome.out, HasSubstr("leg 4"));
 }
 

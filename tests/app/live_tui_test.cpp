@@ -108,6 +108,7 @@ TEST_F(LiveTui, ShowsTheLegAndAllRatesWithTheirErrors) {
   EXPECT_THAT(text, HasSubstr("cnn-thermal   +88.0  error    -2.0"));
   EXPECT_THAT(text, HasSubstr("cnn-fusion    +91.0  error    +1.0"));
   EXPECT_THAT(text, HasSubstr("Kg 0.25"));
+  EXPECT_THAT(text, HasSubstr("error and RMSE in deg/s"));
   EXPECT_THAT(text, Not(HasSubstr("waiting for")));
   EXPECT_THAT(text, Not(HasSubstr("excluded: ")));
 }

@@ -59,6 +59,6 @@ for name, rows in reports.items():
               f"{row['fusion_rmse_beside_10_dps']:8.2f} {row['gyro']:9.2f} {row['gyro-rest']:10.2f} "
               f"{row['gyro-kalman']:12.2f} {row['cnn-fusion-kalman']:11.2f} {row['within_one']:8.2f} {row['within_two']:8.2f}  "
               f"{row['gain_p05']:.2f}..{row['gain_p95']:.2f}")
-print("* in expectation over a gyro that is off by 10 deg/s")
+print("* expected RMSE beside a gyro that is off by 10 deg/s")
 for goal in goals:
     print(f"{'met    ' if goal['met'] else 'NOT MET'}  {goal['model']}: {goal['goal']}")

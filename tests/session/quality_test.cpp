@@ -153,7 +153,7 @@ TEST(Verdict, QuotesTheFirstOfReasonsWithoutADuration) {
                                               {host_time_ns(2), "the board was reset"},
                                               {host_time_ns(3), "it was reset again"}};
   EXPECT_THAT(quality_of(session).verdict_reasons,
-              testing::Contains("the clock of the servo began anew 2 times, most: the board was reset"));
+              testing::Contains("the clock of the servo was reset 2 times, most: the board was reset"));
 }
 
 TEST(Quality, FramesThatACameraDidNotSendWhileItWasAwaitedAreNotLost) {
@@ -203,7 +203,7 @@ TEST(Verdict, IsUsableWhenAClockIsUnsureOrBeganAnew) {
   const Quality quality = quality_of(session);
   EXPECT_EQ(quality.verdict, "usable");
   EXPECT_THAT(quality.verdict_reasons, testing::Contains("the times of the gyro are known to 2.8 ms only"));
-  EXPECT_THAT(quality.verdict_reasons, testing::Contains("the clock of the servo began anew once: a reset"));
+  EXPECT_THAT(quality.verdict_reasons, testing::Contains("the clock of the servo was reset once: a reset"));
 }
 
 TEST(Verdict, TellsWhyAClockIsUnsureThatWanders) {
@@ -305,9 +305,8 @@ TEST(Verdict, QuotesTheLargestContradictionOfAClock) {
                                               {host_time_ns(2), contradiction("0.31 ms")},
                                               {host_time_ns(3), contradiction("2.5 s")},
                                               {host_time_ns(4), contradiction("21.07 ms")}};
-  EXPECT_THAT(
-      quality_of(session).verdict_reasons,
-      testing::Contains("the clock of the servo began anew 3 times, most: " + contradiction("2.5 s")));
+  EXPECT_THAT(quality_of(session).verdict_reasons,
+              testing::Contains("the clock of the servo was reset 3 times, most: " + contradiction("2.5 s")));
 }
 
 TEST(Verdict, IsUsableWhenTheGyroHidesItsBiasOrContradicts) {

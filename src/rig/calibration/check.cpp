@@ -286,7 +286,7 @@ CheckedConstant clock_of(const session::Session& session, Device device) {
     return not_checked(std::move(constant), "too little came to fit the clock", "thermorig doctor");
   if (clock.epochs.size() > 1) {
     constant.verdict = ConstantVerdict::contradicts;
-    constant.why = "the clock began anew: " + clock.epochs.back().reason;
+    constant.why = "the clock was reset: " + clock.epochs.back().reason;
     constant.advice = "see the supply of its board and its cable; then thermorig calibrate check";
     return constant;
   }

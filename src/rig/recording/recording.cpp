@@ -86,7 +86,7 @@ void Recording::Parts::note_return(Device device, HostTime now) {
 
 void Recording::Parts::note_epoch(const ClockEpoch& epoch, HostTime now) {
   if (epoch.reason.empty()) return;  // the first: nothing has gone wrong
-  event({now, EventKind::warning, Device::servo, "the servo's clock starts anew: " + epoch.reason});
+  event({now, EventKind::warning, Device::servo, "the servo's clock was reset: " + epoch.reason});
 }
 
 /// Said the first time, then ever more rarely: a device may change to and fro.

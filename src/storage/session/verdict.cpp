@@ -301,8 +301,7 @@ void judge_epochs(const Session& session, Verdict& verdict) {
     if (epochs.size() < 2) continue;
     const auto times = epochs.size() == 2 ? "once" : fmt::format("{} times, most", epochs.size() - 1);
     const auto most = std::max_element(epochs.begin() + 1, epochs.end(), contradicts_less);
-    verdict.usable(
-        fmt::format("the clock of the {} began anew {}: {}", name_of(device), times, most->reason));
+    verdict.usable(fmt::format("the clock of the {} was reset {}: {}", name_of(device), times, most->reason));
   }
 }
 
