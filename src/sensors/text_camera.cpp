@@ -70,7 +70,7 @@ class Line {
     const auto number = token.size() <= token_bytes_max ? read_number(token) : std::nullopt;
     const bool is_number = number && digits_of(token).size() + (token[0] == '+' ? 1U : 0U) == token.size();
     if (is_number)
-      take_number(*number, token.find_first_of(".eE") != token.npos);
+      take_number(*number, !std::isfinite(*number) || token.find_first_of(".eE") != token.npos);
     else
       take_word(token);
   }
@@ -79,7 +79,10 @@ class Line {
   void take_colon() {
     if (value_of_word_) return take_value_of_word();
     if (!behind_number_) return;
-    if (is_pushed_) --numbers_;
+    if (is_pushed_) {
+      --numbers_;
+      without_point_ -= is_pushed_decimal_ ? 0U : 1U;
+    }
     drops_next_ = true;
   }
 
@@ -119,6 +122,7 @@ class Line {
     if (numbers_ < values_.size()) values_[numbers_] = temp_c;
     ++numbers_;
     is_pushed_ = true;
+    is_pushed_decimal_ = is_decimal;
   }
   void take_value_of_word() {
     if (const auto value = std::exchange(value_of_word_, std::nullopt); value && is_ambient_)
@@ -133,7 +137,7 @@ class Line {
   bool first_has_point_ = false;  // the first number
   bool first_is_broken_ = false;
   bool is_broken_ = false;  // a value that is no temperature
-  bool behind_number_ = false, is_pushed_ = false, drops_next_ = false;
+  bool behind_number_ = false, is_pushed_ = false, is_pushed_decimal_ = false, drops_next_ = false;
   bool behind_word_ = false, is_ambient_ = false, value_is_decimal_ = false;
   std::optional<double> value_of_word_;
   float sensor_temp_c_ = unknown_c;
@@ -186,11 +190,9 @@ class TextCameraScanner {
     if (!std::isnan(line.sensor_temp_c())) sensor_temp_c_ = line.sensor_temp_c();
     if (line.is_short_of_one()) {
       lose(line);
-    } else if (line.numbers() == frame_pixels &&
-               is_numbered_.value_or(line.is_numbered()) == line.is_numbered()) {
-      if (was_joined) is_numbered_ = line.is_numbered();
+    } else if (line.numbers() == frame_pixels) {
       drop_frame();
-      add(line, line.values());
+      is_as_before(line, was_joined) ? add(line, line.values()) : lose(line);
     } else if (line.numbers() == 0) {
       drop_frame();
       ledger_.book_filler(line.bytes());
@@ -208,6 +210,17 @@ class TextCameraScanner {
     if (pixels_ < frame_pixels) return;
     is_held_ = line.numbers() == frame_columns;
     if (!is_held_) complete(out);
+  }
+
+  /// Whether a line of 768 has a count in front where those before had one: else it may have lost a digit or
+  /// a pixel. Of two that differ in a row the second says what is usual.
+  bool is_as_before(const Line& line, bool was_joined) {
+    if (!line.is_temperatures() || !(was_joined || line.is_numbered()))
+      return is_numbered_.value_or(line.is_numbered()) == line.is_numbered();
+    const bool is_usual = !is_numbered_ || *is_numbered_ == line.is_numbered() || was_unusual_;
+    was_unusual_ = !is_usual;
+    if (is_usual) is_numbered_ = line.is_numbered();
+    return is_usual;
   }
 
   /// Rows tell a frame only between two marks: after one that is lost, or came twice, all others stand one
@@ -286,6 +299,7 @@ class TextCameraScanner {
   bool is_held_ = false;      // the rows are there: the next line tells whether they are a frame
   bool is_overlong_ = false;  // the line that is being read
   bool behind_return_ = false;
+  bool was_unusual_ = false;         // the last line of 768: see is_as_before()
   bool is_joined_ = false;           // a line has ended: the first one may be the tail of one
   std::optional<bool> is_numbered_;  // lines of 768, by the first whole one: a digit cut off is no count
   bool is_synced_ = false;           // the next line may begin a frame, or goes on with one
@@ -302,11 +316,14 @@ bool says_fahrenheit(std::span<const std::uint8_t> bytes) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   constexpr auto words =
-      std::to_array<std::string_view>({"fahrenheit", "degf", "deg f", "(f)", "[f]", "\"f\"",
+      std::to_array<std::string_view>({"fahrenheit", "degf", "deg f", "(f)", "[f]", ":\"f\"", ": \"f\"",
                                        "\xC2\xB0"
                                        "f"});
-  return std::any_of(words.begin(), words.end(),
-                     [&](std::string_view word) { return text.find(word) != text.npos; });
+  return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
+    for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1))
+      if (const std::size_t end = at + word.size(); end == text.size() || !is_letter(text[end])) return true;
+    return false;  // "55 deg FOV"
+  });
 }
 
 CameraScanner text_camera_scanner(const CameraProfile&) {

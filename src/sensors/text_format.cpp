@@ -155,12 +155,13 @@ std::string named_twice(const TextTable& table) {
   return "";
 }
 
-/// Three columns whose length is that of gravity in a unit, and hardly changes.
+/// Three columns whose length is that of gravity in a unit, on nearly all rows: a shock is none.
 bool measure_gravity(const TextTable& table, std::span<const std::size_t> three, double unit) {
-  return std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
+  const auto rows = std::count_if(table.rows.begin(), table.rows.end(), [&](const auto& row) {
     const double norm = std::hypot(row[three[0]], row[three[1]], row[three[2]]);
     return norm > 0.8 * unit && norm < 1.2 * unit;
   });
+  return 10 * static_cast<std::size_t>(rows) >= 9 * table.rows.size();
 }
 
 /// So in any usual unit.
@@ -183,12 +184,29 @@ bool fits(const GyroSketch& sketch, const TextTable& table) {
   return accelerations.size() == axes && measure_gravity(table, accelerations, sketch.gravity);
 }
 
+/// A column's name in small letters, without its digits: "IMU_1" is "imu".
+std::string letters_of(const TextTable& table, std::size_t column) {
+  std::string letters;
+  for (const char c : table.columns[column].name)
+    if (is_letter(c)) letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return letters;
+}
+
 /// Four numbers, perhaps with an accuracy behind them, that are as long as 1: "w: 0.99 x: ... z: ...".
+/// Columns without a name have decimals: a gyro at rest behind a count of 1 is none.
 bool is_quaternion(const TextTable& table) {
   constexpr std::size_t rows_of_chance = 4;
+  constexpr auto parts = std::to_array<std::string_view>({"w", "x", "y", "z", "i", "j", "k", "r", "real"});
   std::vector<std::size_t> numbers;
-  for (const std::size_t column : table.number_columns())
-    if (table.columns[column].meaning.quantity != Quantity::time) numbers.push_back(column);
+  for (const std::size_t column : table.number_columns()) {
+    if (table.columns[column].meaning.quantity == Quantity::time) continue;
+    const std::string name = letters_of(table, column);
+    const bool is_part =
+        name.empty() ? table.columns[column].decimals > 0
+                     : name.starts_with('q') || std::find(parts.begin(), parts.end(), name) != parts.end();
+    if (numbers.size() < 4 && !is_part) return false;
+    numbers.push_back(column);
+  }
   if (table.rows.size() < rows_of_chance || (numbers.size() != 4 && numbers.size() != 5)) return false;
   return std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
     const double norm = std::hypot(std::hypot(row[numbers[0]], row[numbers[1]]),
@@ -199,9 +217,7 @@ bool is_quaternion(const TextTable& table) {
 
 /// A column of a few whole numbers that come by turns and say whose line it is: "imu=1". `numbers` gets them.
 bool names_sensors(const TextTable& table, std::size_t column, std::set<double>& numbers) {
-  std::string name;
-  for (const char c : table.columns[column].name)
-    if (is_letter(c)) name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string name = letters_of(table, column);
   constexpr auto words = std::to_array<std::string_view>({"id", "imu", "imuid", "sensor", "sensorid", "dev",
                                                           "device", "deviceid", "node", "nodeid", "channel",
                                                           "ch", "addr", "address", "mpu", "board"});
@@ -209,7 +225,9 @@ bool names_sensors(const TextTable& table, std::size_t column, std::set<double>&
     return false;
   for (const auto& row : table.rows) numbers.insert(row[column]);
   constexpr std::size_t sensors_most = 8;
-  return numbers.size() > 1 && numbers.size() <= sensors_most && 2 * numbers.size() <= table.rows.size();
+  const auto is_number_of_one = [](double number) { return number >= 0.0 && number == std::trunc(number); };
+  return std::all_of(numbers.begin(), numbers.end(), is_number_of_one) && numbers.size() > 1 &&
+         numbers.size() <= sensors_most && 2 * numbers.size() <= table.rows.size();
 }
 
 /// Finds the lines of rates on a page, and says why.
@@ -556,6 +574,8 @@ class Recogniser {
   /// "imu is 1, 2"; empty: of one.
   std::string several_sensors() const {
     for (std::size_t column = 0; column < table_->columns.size(); ++column) {
+      const auto& rates = format_.columns.rate;  // "IMU: 0 -1 2": the first rate stands behind that word
+      if (std::find(rates.begin(), rates.end(), static_cast<int>(column)) != rates.end()) continue;
       std::set<double> numbers;
       if (names_sensors(*table_, column, numbers))
         return fmt::format("\"{}\" is {:g}", table_->columns[column].name, fmt::join(numbers, ", "));

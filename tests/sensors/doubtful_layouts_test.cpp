@@ -72,15 +72,22 @@ TEST(DoubtfulLayouts, OfSeveralSensorsByTurnsAreRefused) {
     EXPECT_THAT(format->refusal, HasSubstr("several sensors")) << text.substr(0, 40);
   }
   EXPECT_THAT(guess(lines("id={0} gx={1:.2f} gy={2:.2f} gz=0.3 dps"))->refusal, IsEmpty()) << "a count";
+  for (const char* form : {"IMU: 0.0{3} {1:.2f} {2:.2f} dps", "IMU: {3} 4 -{3}", "MPU6050: {3}\t-{3}\t0"})
+    EXPECT_THAT(guess(lines(form))->refusal, testing::Not(HasSubstr("several"))) << form << ", at rest";
 }
 
 TEST(DoubtfulLayouts, OfAQuaternionInLettersHoldNoRates) {
   for (const char* form : {"w: 0.9950 x: {1:.4f} y: {2:.4f} z: 0.0100", "0.9950,{1:.4f},{2:.4f},0.0100"})
     EXPECT_THAT(guess(lines(form))->refusal, HasSubstr("quaternions")) << form;
+  for (const char* form :
+       {"id=1 gx=0.0{3} gy=0.01 gz=-0.0{3}", "1,0.0{3},0.01,-0.0{3}", "gz:0.0{3} ax:0.01 ay:0.00 az:1.00"})
+    EXPECT_THAT(guess(lines(form))->refusal, testing::Not(HasSubstr("quaternions"))) << form << ", at rest";
 }
 
 TEST(DoubtfulLayouts, OfAKnownMarkAskForTheUnitWhereTheAccelerationsAreOfAnotherRange) {
   EXPECT_TRUE(guess(lines("a/g:\t-104\t52\t16500\t{0}\t5\t7"))->is_known());
+  const std::string shock = "a/g:\t-104\t9000\t30500\t3\t5\t7\n";
+  EXPECT_TRUE(guess(shock + lines("a/g:\t-104\t52\t16500\t{0}\t5\t7"))->is_known());
   EXPECT_FALSE(guess(lines("a/g:\t-26\t13\t4125\t{0}\t5\t7"))->is_known());
   EXPECT_FALSE(guess(lines("a/g:\t0.01\t0.02\t1.01\t{1:.2f}\t{2:.2f}\t0.5"))->is_known());
 }

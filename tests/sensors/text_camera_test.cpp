@@ -231,6 +231,37 @@ TEST(TextCamera, NamesFahrenheitByItsWordsAndDoubtsItByItsValues) {
     ASSERT_FALSE(found.empty());
     EXPECT_THAT(found[0].evidence.advice, HasSubstr("Fahrenheit")) << words;
   }
+  for (const char* words : {"lens 55 deg FOV\n",
+                            "110\xC2\xB0 FOV, 110\xC2\xB0"
+                            "FOV\n",
+                            "{\"f\":12}\n"}) {
+    const auto found = sensors::recognise(
+        bytes_of(words + pixels(0, 768, ",", "", "\n") + pixels(1, 768, ",", "", "\n")), 2.0);
+    ASSERT_FALSE(found.empty()) << words;
+    EXPECT_TRUE(found[0].is_usable()) << words;
+    EXPECT_EQ(found[0].evidence.advice, "") << words;
+  }
+}
+
+TEST(TextCamera, TakesNoBrokenFirstPixelForACount) {
+  for (const char* first : {"nan", "inf", "ovf"}) {
+    std::string damaged = pixels(1, 768, ",", "", "\n");
+    damaged.replace(0, damaged.find(','), first);
+    const std::string text = pixels(0, 768, ",", "", "\n") + damaged + pixels(2, 768, ",", "", "\n") +
+                             damaged.substr(0, 4) + pixels(3, 768, ",", "", "\n");
+    const auto scan = scan_any_chunking<wire::CameraMessage>(scanner(), bytes_of(text), Stream::ends);
+    EXPECT_EQ(scan.messages.size(), 2U) << first;
+    EXPECT_EQ(scan.counters.bad_value + scan.counters.bad_length, 2U) << first;
+  }
+}
+
+TEST(TextCamera, LosesOneFrameByALineWhoseCountRanIntoItsFirstPixel) {
+  std::string text;
+  for (int frame = 0; frame < 6; ++frame)
+    text += fmt::format("{}{}", 1 + frame, frame == 1 ? "" : ",") + pixels(frame, 768, ",", "", "\n");
+  const auto scan = scan_any_chunking<wire::CameraMessage>(scanner(), bytes_of(text), Stream::ends);
+  EXPECT_EQ(scan.messages.size(), 5U);
+  for (const wire::CameraMessage& message : scan.messages) EXPECT_LT(message.frame.temp_c[0], 32.0F);
 }
 
 TEST(TextCamera, ReadsNeitherGreyValuesWithAPointNorHalvesOfAnImage) {

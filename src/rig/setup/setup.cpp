@@ -114,7 +114,7 @@ void take_gyro_on_trial(const PortFinding& finding, SetupState& state) {
   gyro.link.port = finding.info.path;
   gyro.link.usb_path = finding.info.usb_path;
   if (finding.baud != 0) gyro.link.baud = finding.baud;
-  if (finding.rate_hz >= 1.0) gyro.output_rate_hz = std::round(finding.rate_hz * 10.0) / 10.0;
+  if (finding.rate_hz >= 0.1) gyro.output_rate_hz = std::round(finding.rate_hz * 10.0) / 10.0;
   state.knows_gyro_unit = finding.text_format->scale_known;
 }
 
