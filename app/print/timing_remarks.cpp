@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "output.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::app {
 
@@ -85,8 +86,11 @@ TimingRemarks timing_remarks(const session::Session& session) {
   if (!has_timing(session)) return {};
   Remarks remarks;
   const RigProfile& profile = session.raw.header.profile;
+  const bool servo_sends_time = sensors::servo_protocol(profile.servo.protocol).clock.sends_time();
+  if (profile.servo.is_there() && !servo_sends_time)
+    remarks.say("the servo sends no time: it has no clock to fit");
   for (const Device device : all_devices)
-    if (profile.has(device))
+    if (profile.has(device) && (device != Device::servo || servo_sends_time))
       remark_clock(device, session.sync.clock[device], session.raw.header.simulated, remarks);
   remark_offset(session, remarks);
   remark_gyro(session.sync.gyro, profile.servo.is_there(), remarks);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,7 @@
 #include "recorder.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/profile/profile_file.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::app {
 
@@ -118,13 +120,21 @@ void ask_for_turn(const CalibrateOptions& options, const rig::SweepPlan& plan) {
   flush_output();
 }
 
+std::string servos_that_measure_the_shaft() {
+  std::vector<std::string_view> names;
+  for (const sensors::ServoProtocol& servo :
+       sensors::servo_protocols().subspan(1))  // the first needs a sensor
+    if (!servo.shaft_sensor.empty()) names.push_back(servo.name);
+  return fmt::format("{}", fmt::join(names, " or "));
+}
+
 /// Records the session of the calibration.
 CalibrationRecording record_for(const CalibrateOptions& options, ChosenRig rig, const rig::SweepPlan& plan) {
   const RecordOptions& record = options.record;
   if (options.kind == rig::CalibrationKind::encoder && rig.simulated &&
       !simulation::measures_shaft(*rig.simulated))
     throw Error(ExitCode::bad_usage, "nothing measures the shaft of this simulated rig", "",
-                "--simulated-encoder as5600, or --simulated-servo dynamixel or sts3215");
+                "--simulated-encoder as5600, or --simulated-servo " + servos_that_measure_the_shaft());
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
   require_output(record, rig, plan);
   if (turned_by_hand(options, plan)) {

@@ -169,7 +169,7 @@ ClockFit fit_servo_clock(const RawStream& received, const RawStream& sent, const
                          const ServoProfile& profile) {
   const auto spans = spans_of(streams.servo);
   const sensors::ServoProtocol& protocol = sensors::servo_protocol(profile.protocol);
-  // Without a time of its own, arrivals are all there is: nothing to fit them against.
+  // Without a time of its own there is nothing to fit arrivals against.
   if (!holds(received, spans) || !protocol.clock.sends_time()) return {};
   const auto exchanges = ping_exchanges(received, sent, streams, profile.link.baud);
   if (exchanges.empty())

@@ -64,7 +64,9 @@ PerDevice<std::uint64_t> message_bytes(const RigProfile& profile) {
 labels::LabelConfig label_config(const RigProfile& profile, const Fits& fits) {
   labels::LabelConfig config = labels::label_config(
       profile, fits.sync, sensors::camera_protocol(profile.camera.protocol).merges_halves);
-  config.telemetry_gap_s = sensors::servo_protocol(profile.servo.protocol).longest_gap_s;
+  const sensors::ServoProtocol& servo = sensors::servo_protocol(profile.servo.protocol);
+  config.telemetry_gap_s = servo.longest_gap_s;
+  if (servo.telemetry_request != nullptr) config.bridged_silence_s = servo.longest_gap_s;
   return config;
 }
 }  // namespace

@@ -14,19 +14,29 @@ constexpr ClockProperties arrival_clock{.tick_s = 1e-6, .wrap_ticks = std::uint6
 
 /// Of a request beyond its wire time: USB sends once a millisecond. A constant beside it is calibrated.
 constexpr auto usual_way_out = std::chrono::microseconds(500);
-constexpr std::size_t most_requests = 8;
 
 const sensors::ServoProtocol& protocol_of(const ServoProfile& profile) {
   return sensors::servo_protocol(profile.protocol);
 }
 
-/// What was read as soon as it was asked for, where its answer came later than that.
-void put_request(HostTime requested, Stamp& stamp) {
-  const HostTime time = requested + usual_way_out;
+/// What was read as soon as it was asked for, where its answer came later than that. Where it may answer a
+/// later request, it keeps the time of its arrival.
+void put_request(const timing::ReadLedger::Request& request, Stamp& stamp) {
+  const HostTime time = request.asked + usual_way_out;
   if (time >= stamp.time) return;
+  if (!request.is_only) {
+    stamp.earlier_s = static_cast<float>(to_s(stamp.time - request.asked));
+    stamp.uncertainty_s = std::max(stamp.uncertainty_s, stamp.earlier_s / 2.0F);
+    return;
+  }
   stamp.later_s += static_cast<float>(to_s(stamp.time - time));
   stamp.earlier_s = stamp.uncertainty_s = static_cast<float>(to_s(usual_way_out));
   stamp.time = time;
+}
+
+std::vector<std::uint8_t> request_bytes(const ServoProfile& profile) {
+  auto* const request = protocol_of(profile).telemetry_request;
+  return request == nullptr ? std::vector<std::uint8_t>() : request(profile);
 }
 
 /// Readings may lie a little before the telemetry that came before them; the clock may have wrapped.
@@ -47,12 +57,11 @@ ServoDecoder::ServoDecoder(const ServoProfile& profile, const EncoderProfile& en
       final_times_(fits.times[Device::servo]),
       baud_(profile.link.baud),
       sends_time_(protocol_of(profile).clock.sends_time()),
-      reads_on_call_(!sends_time_ && !protocol_of(profile).shaft_sensor.empty()),
+      telemetry_request_(request_bytes(profile)),
       mcu_clock_(sends_time_ ? protocol_of(profile).clock : arrival_clock),
       mcu_time_(mcu_clock_),
       pings_(profile.link.baud),
       clock_(profile.link),
-      answers_with_time_(sends_time_ && protocol_of(profile).is_silent),
       is_causal_(fits.times[Device::servo].empty()),
       rate_scale_(fits.servo_rate_scale),
       encoder_latency_(from_s(encoder.latency_s)),
@@ -61,11 +70,8 @@ ServoDecoder::ServoDecoder(const ServoProfile& profile, const EncoderProfile& en
 void ServoDecoder::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
   pings_.sent(bytes, before_write);
   scanner_.sent(bytes);
-  const HostTime through = before_write + from_s(timing::shortest_wire_time_s(bytes.size(), baud_));
-  if (answers_with_time_ && !asked_) asked_ = through;
-  if (!reads_on_call_) return;
-  requests_.push_back(through);
-  if (requests_.size() > most_requests) requests_.pop_front();
+  if (!telemetry_request_.empty() && std::ranges::equal(bytes, telemetry_request_))
+    reads_.asked(before_write + from_s(timing::shortest_wire_time_s(bytes.size(), baud_)));
 }
 
 ServoDecoder::Decoded ServoDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
@@ -87,8 +93,7 @@ void ServoDecoder::interrupt(Streams& out) {
   timing_.restart();
   mcu_time_.restart();
   clock_ = timing::PingClock(link_);
-  asked_.reset();
-  requests_.clear();
+  reads_.restart();
   epochs_passed_on_ = 1;
   was_away_ = was_away_ || telemetry_.has_value();
   telemetry_.reset();
@@ -111,14 +116,17 @@ void ServoDecoder::sort(wire::ServoMessage&& message, Streams& out) {
   else if (const auto* pong = std::get_if<wire::ServoPong>(&message.body))
     out.pongs.push_back(timed(message, *pong));
   else if (const auto* reading = std::get_if<ShaftReading>(&message.body)) {
-    if (telemetry_) out.shaft.push_back(timed(message, *reading));  // before it, its time is not known
+    // Before telemetry has come its time is not known.
+    if (telemetry_ && is_placed_) out.shaft.push_back(timed(message, *reading));
   } else
     out.servo_answers.push_back(std::move(message));
 }
 
 TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoState& state) {
   Stamp stamp = timing_.stamp(message.span);
-  if (const auto request = request_of(message.span)) put_request(*request, stamp);
+  const auto request = reads_.answered(begun_by(message.span));
+  if (request && !sends_time_) put_request(*request, stamp);
+  is_placed_ = sends_time_ || !request || request->is_only;
   const auto arrival_us = static_cast<std::uint32_t>(to_ns(stamp.time) / 1000);
   TimedServo servo{.state = state,
                    .span = message.span,
@@ -128,7 +136,8 @@ TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoSta
   if (!sends_time_) servo.state.mcu_us = arrival_us;
   servo.state.rate_dps *= rate_scale_;
   if (is_causal_) {
-    learn_of_answer(servo, begun_by(message.span));
+    if (request && request->is_only && sends_time_)
+      learn_of_answer(servo, request->asked, begun_by(message.span));
     stamp_by_clock(servo, begun_by(message.span));
   } else {
     final_times_.put_next(servo.stamp);
@@ -173,23 +182,12 @@ void ServoDecoder::stamp_by_clock(TimedServo& servo, HostTime not_after) {
   if (estimate) put(*estimate, servo.stamp);
 }
 
-/// The newest one that it can be the answer to: a host that was busy has asked again before it has read what
-/// had come meanwhile.
-std::optional<HostTime> ServoDecoder::request_of(const StreamSpan& answer) {
-  std::optional<HostTime> request;
-  const HostTime asked_by = begun_by(answer) - usual_way_out;
-  for (; !requests_.empty() && requests_.front() <= asked_by; requests_.pop_front())
-    request = requests_.front();
-  return request;
-}
-
 /// Its time is that of the instant at which it was asked, cut off to its tick.
-void ServoDecoder::learn_of_answer(const TimedServo& servo, HostTime not_after) {
-  if (!asked_) return;
+void ServoDecoder::learn_of_answer(const TimedServo& servo, HostTime asked, HostTime not_after) {
   const std::int64_t tick_us = std::llround(1e6 * mcu_clock_.tick_s);
   const std::int64_t at_most_us = servo.mcu_time_us + tick_us;
   clock_.exchange({.receive_us = at_most_us,
-                   .not_before = *std::exchange(asked_, {}),
+                   .not_before = asked,
                    .send_us = at_most_us,
                    .not_after = not_after + std::chrono::microseconds(tick_us)});
 }

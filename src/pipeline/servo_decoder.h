@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <span>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/pipeline/timing/mcu_time.h"
 #include "thermorig/pipeline/timing/ping_clock.h"
+#include "thermorig/pipeline/timing/read_ledger.h"
 #include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::pipeline {
@@ -89,9 +89,8 @@ class ServoDecoder {
   TimedServo timed(const wire::ServoMessage& message, const ServoState& state);
   TimedPong timed(const wire::ServoMessage& message, const wire::ServoPong& pong);
   TimedShaft timed(const wire::ServoMessage& message, const ShaftReading& reading);
-  std::optional<HostTime> request_of(const StreamSpan& answer);
   void stamp_by_clock(TimedServo& servo, HostTime not_after);
-  void learn_of_answer(const TimedServo& servo, HostTime not_after);
+  void learn_of_answer(const TimedServo& servo, HostTime asked, HostTime not_after);
   void learn(const TimedPong& pong, HostTime not_after);
   HostTime begun_by(const StreamSpan& span) const;
 
@@ -101,18 +100,17 @@ class ServoDecoder {
   FinalTimes final_times_;
   std::uint32_t baud_;
   HostTime newest_arrival_{HostTime::min()};
-  bool sends_time_;                // else its time is that of arrivals, or
-  bool reads_on_call_;             // that of requests, which wait for no timer of the adapter
-  std::deque<HostTime> requests_;  // not answered yet: when the last byte of each was through
+  bool sends_time_;  // else its time is that of arrivals, or of requests, which wait for no timer
+  std::vector<std::uint8_t> telemetry_request_;  // empty: there is none
+  timing::ReadLedger reads_;                     // when the last byte of each was through
   ClockProperties mcu_clock_;
   timing::McuTime mcu_time_;
   PingLedger pings_;
   timing::PingClock clock_;
-  bool answers_with_time_;               // telemetry is asked for and says when that was: as good as a ping
-  std::optional<HostTime> asked_;        // what was sent since the last telemetry cannot have come before it
   bool is_causal_;                       // without final times: the clock is learnt on the way
   std::size_t epochs_passed_on_ = 1;     // the first is no event
   std::optional<TimedServo> telemetry_;  // the newest
+  bool is_placed_ = true;                // its time is known well enough to place a reading of the shaft
   double rate_scale_ = 1.0;              // of the speeds that it states
   double host_s_per_us_ = 1e-6;          // of the servo's clock, by the newest two
   HostDuration encoder_latency_;

@@ -17,6 +17,9 @@
 
 namespace thermorig::sensors {
 
+/// Between two telemetry messages: a host that is busy for so long has sent the servo nothing else meanwhile.
+inline constexpr double longest_silence_of_a_host_s = 0.12;
+
 /// What a packet of a servo on a bus holds. Telemetry and what the shaft does stand in one.
 struct BusServoContent {
   using Message = wire::ServoMessage;

@@ -154,12 +154,16 @@ ServoProtocol dynamixel_servo() {
           .clock = dynamixel_clock,
           .message_bytes = dynamixel::telemetry_bytes + status_around,
           .rate_hz = polls_hz,
-          .longest_gap_s = 0.12,  // a host that is busy for so long has sent it nothing else meanwhile
+          .longest_gap_s = longest_silence_of_a_host_s,
           .shaft_sensor = "Dynamixel",
           .scanner = dynamixel_scanner,
           .recognise = recognise_dynamixel,
           .greeting = ping_all,
-          .emergency_bytes = torque_off};
+          .emergency_bytes = torque_off,
+          .telemetry_request = [](const ServoProfile& profile) {
+            return dynamixel::read(static_cast<std::uint8_t>(profile.bus_id), dynamixel::telemetry_begin,
+                                   dynamixel::telemetry_bytes);
+          }};
 }
 
 }  // namespace thermorig::sensors

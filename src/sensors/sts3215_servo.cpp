@@ -170,7 +170,7 @@ ServoProtocol sts3215_servo() {
           .clock = {},
           .message_bytes = sts3215::longest_packet,
           .rate_hz = answers_hz,
-          .longest_gap_s = 0.12,  // a host that is busy for so long has sent it nothing else meanwhile
+          .longest_gap_s = longest_silence_of_a_host_s,
           .shaft_sensor = "STS3215",
           .scanner =
               [](const ServoProfile& profile) {
@@ -182,6 +182,11 @@ ServoProtocol sts3215_servo() {
               [] {
                 return sts3215::write(sts3215::every_id, sts3215::at::torque_enable,
                                       std::array<std::uint8_t, 1>{0});
+              },
+          .telemetry_request =
+              [](const ServoProfile& profile) {
+                return sts3215::read(static_cast<std::uint8_t>(profile.bus_id), sts3215::telemetry_begin,
+                                     sts3215::telemetry_bytes);
               }};
 }
 

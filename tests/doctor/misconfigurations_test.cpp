@@ -342,6 +342,8 @@ TEST(Misconfigurations, AServoWithoutAWatchdogIsNoneAndHowItRestsIsSaid) {
   ASSERT_EQ(checks.size(), 2U);
   EXPECT_EQ(checks[0].result, "firmware 3.10, at most 270 deg/s, no watchdog: it rests where its leg ends");
   EXPECT_EQ(checks[1].result, "99 of 100 requests, 4.0 ms there and back");
+  report.facts.answers->firmware.clear();  // it has not greeted
+  EXPECT_EQ(judge_rig(report).size(), 1U);
 }
 
 }  // namespace

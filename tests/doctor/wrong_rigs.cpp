@@ -217,7 +217,7 @@ std::vector<Misconfiguration> wrong_rigs() {
       {"the servo's supply broke down",
        [] {
          rig::PreflightFacts facts;
-         facts.answers = rig::PreflightAnswers{.reset_cause = 4, .limit_rate_dps = 300.0};
+         facts.answers = rig::PreflightAnswers{.firmware = "1.0", .reset_cause = 4, .limit_rate_dps = 300.0};
          return judge_rig(rig::judge(facts, good_rig().profile));
        },
        "servo board", "brown-out", "a supply of its own", std::nullopt},

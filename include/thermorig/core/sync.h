@@ -50,7 +50,7 @@ struct ClockGap {
 
 /// How the clock of one device did over a recording.
 struct ClockReport {
-  std::string method;  // "one-way" or "two-way"; empty: too little came to say anything
+  std::string method;  // "one-way" or "two-way"; empty: too little came, or it sends no time
   std::string
       own_time_unused;   // why samples were counted though the device sends a time; empty: they were not
   double rate_hz = 0.0;  // messages a second, measured

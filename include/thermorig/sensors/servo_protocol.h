@@ -49,6 +49,9 @@ struct ServoProtocol {
   /// Its angles are steps that it has put out: over seconds they show how fast its clock goes, which also
   /// makes the speeds that it states.
   bool counts_steps = false;
+  /// What asks for one telemetry message, and for nothing else, which holds for the instant of the request.
+  /// None: it comes by itself, or holds for another instant.
+  std::vector<std::uint8_t> (*telemetry_request)(const ServoProfile& profile) = nullptr;
   /// Where the shaft turned by `share` of what was commanded, and a setting of the servo may be the cause. By
   /// what it has answered. None: no setting is known.
   std::optional<ScaleCause> (*scale_cause)(double share,

@@ -185,7 +185,7 @@ Labeller::Labeller(const LabelConfig& config)
       lag_(from_s(response_.delay_s) + pulse_period),
       command_(PulseScale(config.servo), from_s(config.telemetry_gap_s), from_s(config.history_s)),
       shaft_(config.servo, response_, from_s(config.telemetry_gap_s), from_s(config.history_s)),
-      measured_(from_s(config.history_s)),
+      measured_(from_s(config.history_s), from_s(config.bridged_silence_s)),
       gyro_(from_s(config.history_s)),
       bias_(config.gyro.value_or(assumed_gyro_errors(config.gyro_profile))),
       warm_up_(config.warm_up_k_per_min) {}

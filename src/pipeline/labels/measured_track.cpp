@@ -14,10 +14,8 @@ namespace {
 // Either way of an instant, the narrowest first.
 constexpr std::array reaches_s{0.0055, 0.0125, 0.025, MeasuredTrack::reach_s};
 constexpr double longest_silence_s = 0.03;  // an instant further from a reading is bridged
-// A servo that is asked for each reading is silent for as long as the host is busy.
-constexpr double longest_bridge_s = 0.13;  // from reading to reading; longer ones leave nothing measured
-constexpr double bridge_reach_s = 0.15;    // before the instant; behind it what has been waited for
-constexpr std::size_t fewest_points = 3, fewest_of_a_bridge = 4;
+constexpr double bridge_reach_s = 0.1;      // before the silence; behind it what has been waited for
+constexpr std::size_t fewest_points = 3;
 constexpr double line_chance_deviations = 0.5;
 constexpr double bend_chance = 6.0;  // times the variance of a difference
 
@@ -68,9 +66,8 @@ std::optional<MeasuredTrack::At> MeasuredTrack::at(HostTime time) const {
   if (after == 0 || after == points.size()) return std::nullopt;
   const Point &before = points[after - 1], &next = points[after];
   if (before.lap != next.lap) return std::nullopt;
-  if (next.time - before.time > from_s(longest_bridge_s)) return std::nullopt;
   if (std::max(time - before.time, next.time - time) > from_s(longest_silence_s))
-    return across_silence(time, after);
+    return next.time - before.time > bridged_ ? std::nullopt : across_silence(time, after);
   std::optional<At> best;
   std::array<Line, reaches_s.size()> narrower;
   std::size_t count = 0;
@@ -93,20 +90,25 @@ std::optional<MeasuredTrack::At> MeasuredTrack::at(HostTime time) const {
   return best;
 }
 
-/// By one line through what was read on either side of it. `after`: the first reading behind it.
+/// `after`: the first reading behind it.
 std::optional<MeasuredTrack::At> MeasuredTrack::across_silence(HostTime time, std::size_t after) const {
   const auto points = points_.all();
   const Point& next = points[after];
   std::size_t first = after, last = after;
   while (first > 0 && points[first - 1].lap == next.lap &&
-         time - points[first - 1].time <= from_s(bridge_reach_s))
+         points[after - 1].time - points[first - 1].time <= from_s(bridge_reach_s))
     --first;
   const std::size_t end = std::min(points_.first_at_or_after(time + from_s(reach_s)) + 1, points.size());
   while (last < end && points[last].lap == next.lap) ++last;
-  if (last - first < fewest_of_a_bridge) return std::nullopt;
+  if (after - first < fewest_points) return std::nullopt;
   const auto line = line_at(points.subspan(first, last - first), time);
-  if (!line) return std::nullopt;
-  return At{{line->angle_deg, std::sqrt(line->own2 + line->strays2)}, next.lap, next.time_uncertainty_s};
+  const auto led_to = line_at(points.subspan(first, after - first), next.time);
+  if (!line || !led_to) return std::nullopt;
+  const double missed_deg = next.angle_deg - led_to->angle_deg;
+  const double by_chance2 = led_to->own2 + double{next.uncertainty_deg} * double{next.uncertainty_deg};
+  const double missed2 = std::max(0.0, missed_deg * missed_deg - by_chance2);
+  return At{
+      {line->angle_deg, std::sqrt(line->own2 + line->strays2 + missed2)}, next.lap, next.time_uncertainty_s};
 }
 
 std::optional<Estimate> MeasuredTrack::angle_deg(HostTime time) const {

@@ -9,6 +9,7 @@
 
 #include "thermorig/fit/shaft/gyro_errors.h"
 #include "thermorig/sensors/camera_protocol.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::calibration {
 
@@ -282,6 +283,9 @@ CheckedConstant clock_of(const session::Session& session, Device device) {
   CheckedConstant constant{.name = fmt::format("{} clock wander", name_of(device)),
                            .unit = "ppm",
                            .profile = Estimate{session.raw.header.profile.link(device).wander_ppm, 0.0}};
+  const auto& servo = sensors::servo_protocol(session.raw.header.profile.servo.protocol);
+  if (device == Device::servo && !servo.clock.sends_time())
+    return not_checked(std::move(constant), "it sends no time", "");
   if (clock.method.empty())
     return not_checked(std::move(constant), "too little came to fit the clock", "thermorig doctor");
   if (clock.epochs.size() > 1) {

@@ -60,7 +60,7 @@ void BusServoDriver::then(std::function<void()> done) {
 void BusServoDriver::greet() {
   steps_.clear();
   forget();
-  reads_ = false;
+  reads_.restart();
   course_.reset();
   other_id_.reset();
   // To all every other time: a wrong ID in the profile is named.
@@ -214,14 +214,15 @@ std::vector<std::uint8_t> BusServoDriver::poll(HostTime now) {
   return next_bytes(now);
 }
 
+/// After one that was not answered in time there is a pause after the next one, in which its answer would
+/// come: those of later ones are not taken for it.
 BusServoDriver::Data BusServoDriver::next_bytes(HostTime now) {
-  if (reads_ && now - last_read_ < answer_patience) return {};
-  if (!steps_.empty()) {
-    reads_ = false;
-    return send_step(now);
-  }
-  if (!greeted() || (last_read_ != HostTime{} && now - last_read_ < read_period)) return {};
-  reads_ = true;
+  if (reads_.is_open() && now - last_read_ < answer_patience) return {};
+  if (!steps_.empty()) return send_step(now);
+  const HostDuration pause = reads_.is_unsure() ? timing::ReadLedger::longest_answer + read_period
+                                                : HostDuration(read_period);
+  if (!greeted() || (last_read_ != HostTime{} && now - last_read_ < pause)) return {};
+  reads_.asked(now);
   ++requests_;
   last_read_ = now;
   return read_bytes(registers_.telemetry, registers_.telemetry_bytes);
@@ -290,12 +291,12 @@ void BusServoDriver::refused(const std::string& why, const std::string& advice) 
 // ---- what it says of itself -----------------------------------------------------------------------------
 
 std::optional<HostDuration> BusServoDriver::telemetry(const TimedServo& servo) {
-  const bool was_asked = std::exchange(reads_, false);
+  const auto request = reads_.answered(servo.stamp.arrival);
   servo_now_ = servo;
   const bool is_off = servo.state.motion == ServoMotion::disarmed;
   if (armed_ && is_off && servo.stamp.time > armed_at_ && steps_.empty() && !stopping_) look_why_off();
   turn_back();
-  return was_asked ? std::optional(servo.stamp.arrival - last_read_) : std::nullopt;
+  return request ? std::optional(servo.stamp.arrival - request->asked) : std::nullopt;
 }
 
 /// Its torque was switched on and is off: it has switched its motor off, or has been off itself, and has

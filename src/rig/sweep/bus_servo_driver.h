@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "thermorig/pipeline/timing/read_ledger.h"
 #include "thermorig/rig/sweep/servo_driver.h"
 
 namespace thermorig::rig {
@@ -138,8 +139,8 @@ class BusServoDriver : public ServoDriver {
   HostTime now_{};
   HostTime armed_at_{};
   HostTime last_read_{};
-  bool reads_ = false;          // telemetry is under way
-  std::uint64_t requests_ = 0;  // of telemetry
+  timing::ReadLedger reads_;  // of telemetry
+  std::uint64_t requests_ = 0;          // of telemetry
 };
 
 }  // namespace thermorig::rig

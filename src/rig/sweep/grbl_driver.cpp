@@ -24,7 +24,8 @@ namespace grbl = wire::grbl;
 constexpr double piece_s = 0.2;   // of a jog; two of them are under way at most: 0.4 s
 constexpr double ahead_s = 0.22;  // the next one is sent when so much is left
 constexpr auto status_period = std::chrono::milliseconds(100);
-constexpr auto boot_patience = std::chrono::milliseconds(2500);  // opening the port has reset it
+constexpr auto status_patience = std::chrono::milliseconds(130);  // a report that was lost leaves no gap
+constexpr auto boot_patience = std::chrono::milliseconds(2500);   // opening the port has reset it
 constexpr auto line_patience = std::chrono::milliseconds(500);
 constexpr int reset_tries = 5, line_tries = 6;
 constexpr double same_acceleration = 0.05;
@@ -96,9 +97,9 @@ class GrblDriver final : public ServoDriver {
   std::optional<bool> power_sent_;  // of them, until it is acknowledged
   HostTime cancelled_{};
   HostTime last_status_{};
-  bool awaits_status_ = false;
-  std::uint64_t requests_ = 0;  // of its status
-  bool was_set_up_ = false;     // its position counts from then on
+  std::optional<HostTime> awaits_status_;  // since then
+  std::uint64_t requests_ = 0;             // of its status
+  bool was_set_up_ = false;                // its position counts from then on
 };
 
 GrblDriver::GrblDriver(const ServoProfile& servo) : ServoDriver(servo) {}
@@ -183,13 +184,14 @@ std::vector<std::uint8_t> GrblDriver::poll(HostTime now) {
     return {grbl::jog_cancel, ask_status(now)};
   }
   std::vector<std::uint8_t> bytes = drive(now);
-  if (now - last_status_ >= status_period) bytes.insert(bytes.begin(), ask_status(now));
+  if (now - last_status_ >= (awaits_status_ ? status_patience : status_period))
+    bytes.insert(bytes.begin(), ask_status(now));
   return bytes;
 }
 
 std::uint8_t GrblDriver::ask_status(HostTime now) {
   last_status_ = now;
-  awaits_status_ = true;
+  if (!awaits_status_) awaits_status_ = now;
   ++requests_;
   return grbl::status_request;
 }
@@ -292,8 +294,8 @@ std::optional<HostDuration> GrblDriver::telemetry(const TimedServo& servo) {
     course_ = std::exchange(next_, {});
   }
   turn_back();
-  const bool was_asked = std::exchange(awaits_status_, false);
-  return was_asked ? std::optional(servo.stamp.arrival - last_status_) : std::nullopt;
+  const auto asked = std::exchange(awaits_status_, {});
+  return asked ? std::optional(servo.stamp.arrival - *asked) : std::nullopt;
 }
 
 void GrblDriver::answer(const wire::ServoMessage& message, HostTime arrived) {

@@ -20,6 +20,7 @@ struct LabelConfig {
   double rate_tolerance_dps = 1.0;     // the shaft's speed may leave the commanded one by this,
   double rate_tolerance_share = 0.02;  // or by this share of it, whichever is more
   double telemetry_gap_s = 0.05;       // a longer hole in telemetry is a loss
+  double bridged_silence_s = 0.0;      // of readings of the shaft that are asked for: MeasuredTrack
   double gyro_gap_share = 0.5;         // fewer than this share of the expected gyro samples is a gap
   double gyro_rate_hz = 200.0;
   double wait_s = 1.0;      // a frame waits so long for late telemetry and gyro, then goes without

@@ -16,13 +16,19 @@ namespace thermorig::labels {
 /// either way of it, whichever is the most certain: the noise of the readings counts, by how much they stray
 /// from the line beyond it, and how far lines through fewer of them are from it: then the shaft does not move
 /// evenly.
+///
+/// A servo that is asked for each reading is silent while the host is busy. Such a silence is bridged by one
+/// line through what was read on either side; how far the first reading behind it is from where those before
+/// it lead counts in full: nobody knows when the shaft went another way.
 class MeasuredTrack {
  public:
   /// How far around an instant readings are of use.
   static constexpr double reach_s = 0.05;
 
-  /// Readings older than `length` are forgotten.
-  explicit MeasuredTrack(HostDuration length) : points_(length) {}
+  /// Readings older than `length` are forgotten. `bridged`: the longest silence that is bridged; 0: none is,
+  /// and it is one from 30 ms on.
+  explicit MeasuredTrack(HostDuration length, HostDuration bridged = HostDuration::zero())
+      : points_(length), bridged_(bridged) {}
 
   void add(const TimedShaft& shaft);
 
@@ -32,7 +38,7 @@ class MeasuredTrack {
   /// True if an angle at or after `time` has come.
   bool reaches(HostTime time) const { return points_.reaches(time); }
 
-  /// None: the readings before and after it are more than 0.13 s apart, or turns were counted anew between.
+  /// None: it lies in a silence that is not bridged, or turns were counted anew in it.
   std::optional<Estimate> angle_deg(HostTime time) const;
 
   /// Mean speed, by the angles at both instants; the turns between them must have been counted through.
@@ -58,6 +64,7 @@ class MeasuredTrack {
   std::optional<At> across_silence(HostTime time, std::size_t after) const;
 
   History<Point> points_;
+  HostDuration bridged_;
   unsigned lap_ = 0;
 };
 
