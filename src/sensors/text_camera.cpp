@@ -215,7 +215,7 @@ class TextCameraScanner {
   /// Whether a line of 768 has a count in front where those before had one: else it may have lost a digit or
   /// a pixel. Of two that differ in a row the second says what is usual.
   bool is_as_before(const Line& line, bool was_joined) {
-    if (!line.is_temperatures() || !(was_joined || line.is_numbered()))
+    if (!was_joined || !line.is_temperatures())
       return is_numbered_.value_or(line.is_numbered()) == line.is_numbered();
     const bool is_usual = !is_numbered_ || *is_numbered_ == line.is_numbered() || was_unusual_;
     was_unusual_ = !is_usual;
