@@ -90,7 +90,8 @@ PolledBytes dynamixel_telemetry(int tick_ms) {
   return dynamixel::packet(1, dynamixel::Instruction::status, parameters);
 }
 
-/// The servo's clock is 1 s ahead; a false proof would begin it anew, or leave the true time out of its bounds.
+/// The servo's clock is 1 s ahead; a false proof would begin it anew, or leave the true time out of its
+/// bounds.
 TEST(PolledServo, AnAnswerThatIsStillUnderWayProvesNothingOfALaterRequest) {
   PolledServo servo("dynamixel");
   for (int i = 0; i < 50; ++i) {

@@ -219,8 +219,8 @@ std::vector<std::uint8_t> BusServoDriver::poll(HostTime now) {
 BusServoDriver::Data BusServoDriver::next_bytes(HostTime now) {
   if (reads_.is_open() && now - last_read_ < answer_patience) return {};
   if (!steps_.empty()) return send_step(now);
-  const HostDuration pause = reads_.is_unsure() ? timing::ReadLedger::longest_answer + read_period
-                                                : HostDuration(read_period);
+  const HostDuration pause =
+      reads_.is_unsure() ? timing::ReadLedger::longest_answer + read_period : HostDuration(read_period);
   if (!greeted() || (last_read_ != HostTime{} && now - last_read_ < pause)) return {};
   reads_.asked(now);
   ++requests_;

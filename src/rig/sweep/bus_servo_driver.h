@@ -139,8 +139,8 @@ class BusServoDriver : public ServoDriver {
   HostTime now_{};
   HostTime armed_at_{};
   HostTime last_read_{};
-  timing::ReadLedger reads_;  // of telemetry
-  std::uint64_t requests_ = 0;          // of telemetry
+  timing::ReadLedger reads_;    // of telemetry
+  std::uint64_t requests_ = 0;  // of telemetry
 };
 
 }  // namespace thermorig::rig
