@@ -9,7 +9,9 @@
 #include <string>
 #include <string_view>
 
+#include "foreign_bytes.h"
 #include "text_fields.h"
+#include "text_line.h"
 #include "text_words.h"
 #include "thermorig/core/git_lfs.h"
 #include "thermorig/sensors/camera_protocol.h"
@@ -31,6 +33,11 @@ Evidence evidence_of(Bytes bytes, std::string text, std::string advice) {
           .text = std::move(text),
           .text_format = {},
           .advice = std::move(advice)};
+}
+
+/// What the bytes seem to be, which explains none of them: at another baud rate they may be something else.
+Evidence guess(std::string text, std::string advice) {
+  return evidence_of({}, std::move(text), std::move(advice));
 }
 
 std::optional<Evidence> git_lfs_pointer(Bytes bytes) {
@@ -202,7 +209,7 @@ std::optional<Evidence> single_pixels(Bytes bytes) {
                      "a sketch that prints all 768 temperatures, such as SparkFun's Example 2");
 }
 
-/// Nothing but numbers of 32 bits that may be temperatures: where an image begins, nothing tells.
+/// Nothing but numbers of 32 bits that may be temperatures: where an image begins, nothing shows.
 std::optional<Evidence> images_without_mark(Bytes bytes) {
   constexpr std::size_t image_bytes = 4 * frame_pixels;
   if (bytes.size() < image_bytes) return std::nullopt;
@@ -216,8 +223,8 @@ std::optional<Evidence> images_without_mark(Bytes bytes) {
       temperatures += value > 0.01F && value < hottest_pixel_c ? 1U : 0U;
     }
     if (temperatures < numbers - numbers / 64) continue;
-    return evidence_of(bytes, "numbers of 32 bits that may be temperatures, without a mark between images",
-                       "let the sketch send a mark in front of each image (protocols/binary_camera.md)");
+    return guess("numbers of 32 bits that may be temperatures, without a mark between images",
+                 "let the sketch send a mark in front of each image (protocols/binary_camera.md)");
   }
   return std::nullopt;
 }
@@ -237,75 +244,75 @@ std::size_t frames_in_a_row(Bytes bytes, std::size_t size, IsFrame is_frame) {
   return best;
 }
 
-/// A protocol whose frames have a mark, a length and a check sum.
-struct Framed {
-  std::string_view name, mark;
-  std::size_t (*size)(Bytes frame);  // by its first six bytes; 0: none
-};
-constexpr auto framed_protocols = std::to_array<Framed>(
-    {{"WitMotion packets (55 5x)", "\x55",
-      [](Bytes frame) { return frame[1] >= 0x50 && frame[1] <= 0x5F ? std::size_t{11} : std::size_t{0}; }},
-     {"Xsens messages (FA FF)", "\xFA\xFF", [](Bytes frame) { return std::size_t{frame[3]} + 5; }},
-     {"MicroStrain packets (75 65)", "\x75\x65", [](Bytes frame) { return std::size_t{frame[3]} + 6; }},
-     {"HiPNUC packets (5A A5)", "\x5A\xA5",
-      [](Bytes frame) { return std::size_t{wire::u16_at(frame, 2)} + 6; }},
-     {"MAVLink packets (FE)", "\xFE", [](Bytes frame) { return std::size_t{frame[1]} + 8; }},
-     {"MAVLink 2 packets (FD)", "\xFD", [](Bytes frame) {
-        return std::size_t{frame[1]} + 12 + ((frame[2] & 1U) != 0 ? std::size_t{13} : std::size_t{0});
-      }}});
-
 bool begins_with(Bytes bytes, std::string_view mark) {
   return bytes.size() >= mark.size() &&
          std::equal(mark.begin(), mark.end(), bytes.begin(),
                     [](char c, std::uint8_t byte) { return static_cast<std::uint8_t>(c) == byte; });
 }
 
-/// The bytes of frames in a row from `at` on.
-std::size_t chain_of(Bytes bytes, const Framed& framed, std::size_t& frames) {
-  std::size_t at = 0;
-  for (frames = 0; at + 6 <= bytes.size() && begins_with(bytes.subspan(at), framed.mark); ++frames) {
-    const std::size_t size = framed.size(bytes.subspan(at, 6));
-    if (size == 0 || at + size > bytes.size()) break;
-    at += size;
+/// Frames in a row, by their marks and lengths.
+struct FrameRow {
+  std::size_t frames = 0, bytes = 0;
+};
+template <typename Use>
+FrameRow row_of_frames(Bytes bytes, const FramedProtocol& protocol, Use use) {
+  FrameRow row;
+  while (row.bytes < bytes.size()) {
+    const Bytes rest = bytes.subspan(row.bytes);
+    const std::size_t size = protocol.size(rest).value_or(0);
+    if (size == 0 || size > rest.size()) break;
+    use(rest.first(size));
+    ++row.frames;
+    row.bytes += size;
   }
-  return at;
+  return row;
 }
 
-/// Marks and lengths of a protocol that is read fit throughout, and no frame of it was read: its check sums
-/// do not fit.
+/// A sum of eight bits is right by chance in one of 256 frames.
+bool are_wrong(std::size_t right, std::size_t frames) {
+  return 16 * right <= frames;
+}
+
+std::string wrong_sums_text(std::string_view name, std::size_t right, std::size_t frames) {
+  if (right == 0) return fmt::format("{} {} whose check sums are all wrong", frames, name);
+  return fmt::format("{} {}, of which {} have a wrong check sum", frames, name, frames - right);
+}
+
+constexpr std::size_t convincing_frames = 5;  // marks are short
+
+/// Marks and lengths of a protocol that is read fit throughout, and its check sums do not.
 std::optional<Evidence> wrong_sums(Bytes bytes) {
-  constexpr std::size_t convincing = 5;  // the marks are short
-  for (const Framed& framed : framed_protocols)
-    for (std::size_t at = 0, tried = 0; at + 6 <= bytes.size() && tried < 64; ++at) {
-      if (!begins_with(bytes.subspan(at), framed.mark)) continue;
-      ++tried;
-      std::size_t frames = 0;
-      const std::size_t size = chain_of(bytes.subspan(at), framed, frames);
-      if (frames < convincing || 2 * size < bytes.size()) continue;
-      return evidence_of(
-          bytes, fmt::format("{} {} whose check sums are all wrong", frames, framed.name),
-          "take the dump with a program that keeps every byte (no terminal, no line ends changed); else its "
-          "firmware forms another sum, which is not read");
+  constexpr std::size_t most_begins = 64;
+  for (const FramedProtocol& protocol :
+       {witmotion_frames(), xsens_frames(), mip_frames(), hipnuc_frames(), mavlink_frames()})
+    for (std::size_t at = 0, tried = 0; at < bytes.size() && tried < most_begins; ++at) {
+      const Bytes rest = bytes.subspan(at);
+      const FrameRow row = row_of_frames(rest, protocol, [](Bytes) {});
+      tried += row.frames > 0 ? 1U : 0U;
+      if (row.frames < convincing_frames || 2 * row.bytes < bytes.size()) continue;
+      std::size_t right = 0;
+      row_of_frames(rest, protocol, [&](Bytes frame) { right += protocol.is_good(frame) ? 1U : 0U; });
+      if (!are_wrong(right, row.frames)) break;
+      return guess(wrong_sums_text(protocol.name, right, row.frames),
+                   "take the dump with a program that keeps every byte (no terminal, no line ends changed); "
+                   "else its firmware forms another sum, which is not read");
     }
   return std::nullopt;
 }
 
-/// The same with lines of text, "$VNIMU,...*68".
+/// The same with lines of text, "$VNIMU,...*68", which are sure: they can be read.
 std::optional<Evidence> wrong_sums_of_vectornav(Bytes bytes) {
   std::size_t lines = 0, of_vectornav = 0, right = 0;
   for_each_line(bytes, [&](const RawLine& line) {
     lines += is_blank(line.text) ? 0U : 1U;
-    const std::size_t star = line.text.rfind('*');
-    if (!line.text.starts_with("$VN") || star == line.text.npos || star + 3 != line.text.size()) return;
-    ++of_vectornav;
-    std::uint8_t sum = 0;
-    for (const char c : line.text.substr(1, star - 1))
-      sum = static_cast<std::uint8_t>(sum ^ static_cast<std::uint8_t>(c));
-    right += fmt::format("{:02X}", sum) == line.text.substr(star + 1) ? 1U : 0U;
+    const std::optional<bool> is_right =
+        line.text.starts_with("$VN") ? has_right_sum(line.text) : std::optional<bool>();
+    of_vectornav += is_right ? 1U : 0U;
+    right += is_right.value_or(false) ? 1U : 0U;
   });
-  if (right > 0 || of_vectornav < frames_needed || 2 * of_vectornav < lines) return std::nullopt;
-  return evidence_of(bytes,
-                     fmt::format("{} messages of a VectorNav whose check sums are all wrong", of_vectornav),
+  if (of_vectornav < convincing_frames || 2 * of_vectornav < lines || !are_wrong(right, of_vectornav))
+    return std::nullopt;
+  return evidence_of(bytes, wrong_sums_text("messages of a VectorNav", right, of_vectornav),
                      "take the dump with a program that keeps every byte");
 }
 
@@ -325,8 +332,8 @@ std::optional<Evidence> bno08x_rvc(Bytes bytes) {
       "adafruit-bno08x)");
 }
 
-/// Two bytes that come again and again, always as far apart, where nothing else stays the same: the mark of a
-/// layout that nobody knows.
+/// A run of 2 to 16 bytes that is the same in each period: the mark of a layout that nobody knows. Other
+/// bytes may stay the same, too, if their runs are shorter; but a third of the period and more has to change.
 std::optional<Evidence> unknown_mark(Bytes bytes) {
   if (is_readable(bytes)) return std::nullopt;
   const auto is_same = [&](std::size_t at, std::size_t period) {
@@ -351,31 +358,39 @@ std::optional<Evidence> unknown_mark(Bytes bytes) {
       is_only = true;
     }
     const bool is_mark = is_only && longest.size >= 2 && longest.size <= 16 && 3 * same < 2 * period;
-    const bool is_gy_mcu90640 = begins_with(bytes.subspan(longest.at), "\x5A\x5A\x02\x06");
-    return is_mark && !is_gy_mcu90640 ? longest : Run();
+    const Bytes run_bytes = bytes.subspan(longest.at, longest.size);
+    constexpr std::string_view gy_mcu90640 = "\x5A\x5A\x02\x06";
+    bool is_gy_mcu90640 = false;  // in the run, or right behind it: a check sum may be the same in each, too
+    for (std::size_t i = longest.at; i <= longest.at + longest.size; ++i)
+      is_gy_mcu90640 |= begins_with(bytes.subspan(i), gy_mcu90640);
+    const bool is_zero = std::all_of(run_bytes.begin(), run_bytes.end(), [](auto byte) { return byte == 0; });
+    return is_mark && !is_gy_mcu90640 && !is_zero ? longest : Run();
   };
-  const auto evidence = [&](std::size_t period, std::string_view what, std::string advice) {
-    if (bytes.size() < 5 * period) return std::optional<Evidence>();
+  const auto evidence = [&](std::size_t period, std::size_t needed, std::string_view what,
+                            std::string advice) {
+    if (bytes.size() < needed) return std::optional<Evidence>();
     const Run mark = mark_of(period);
     if (mark.size == 0) return std::optional<Evidence>();
-    return std::optional(evidence_of(
-        bytes,
-        fmt::format("{} of {} bytes, each with the mark {:02X}: a layout that is not read, or values "
-                    "that are none",
-                    what, period, fmt::join(bytes.subspan(mark.at, mark.size), " ")),
-        std::move(advice)));
+    return std::optional(
+        guess(fmt::format("{} of {} bytes, each with the mark {:02X}: a layout that is not read, or values "
+                          "that are none",
+                          what, period, fmt::join(bytes.subspan(mark.at, mark.size), " ")),
+              std::move(advice)));
   };
-  constexpr std::size_t longest_rest = 32;
+  constexpr std::size_t longest_rest = 32, least_frame_bytes = 400;
   for (std::size_t period = 8; period <= 64; ++period)
-    if (auto found = evidence(period, "frames",
+    if (auto found = evidence(period, std::max(20 * period, least_frame_bytes), "frames",
                               "let the sketch print the gyro's rates as text, with their unit "
-                              "(protocols/text_gyro.md)"))
+                              "(protocols/text_gyro.md); or another baud rate, if this one is wrong"))
       return found;
   for (const std::size_t pixel_bytes : {std::size_t{1}, std::size_t{2}, std::size_t{4}})
-    for (std::size_t rest = 2; rest <= longest_rest; ++rest)
-      if (auto found = evidence(pixel_bytes * frame_pixels + rest, "images",
-                                "let the sketch send a layout of protocols/binary_camera.md, or text"))
+    for (std::size_t rest = 2; rest <= longest_rest; ++rest) {
+      const std::size_t period = pixel_bytes * frame_pixels + rest;
+      if (auto found = evidence(period, 5 * period, "images",
+                                "let the sketch send a layout of protocols/binary_camera.md, or text; or "
+                                "another baud rate, if this one is wrong"))
         return found;
+    }
   return std::nullopt;
 }
 

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include "foreign_bytes.h"
 #include "framed_gyro.h"
 #include "thermorig/sensors/wire/checksums.h"
 
@@ -111,6 +112,10 @@ std::optional<Evidence> recognise_hipnuc(Bytes bytes, double) {
 }
 
 }  // namespace
+
+FramedProtocol hipnuc_frames() {
+  return framed_protocol<HipnucFraming>("HiPNUC packets (5A A5)");
+}
 
 GyroProtocol hipnuc_gyro() {
   return {.name = "hipnuc",

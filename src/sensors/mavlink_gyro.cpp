@@ -12,6 +12,7 @@
 #include <map>
 #include <numbers>
 
+#include "foreign_bytes.h"
 #include "mavlink.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/wire/byte_ledger.h"
@@ -513,6 +514,16 @@ std::optional<Evidence> recognise_mavlink(Bytes bytes, double) {
 }
 
 }  // namespace
+
+FramedProtocol mavlink_frames() {
+  return {"MAVLink packets (FE, FD)",
+          [](Bytes rest) -> std::optional<std::size_t> {
+            if (!is_packet_sync(rest[0])) return std::nullopt;
+            if (rest.size() < header_of(rest[0]).bytes) return 0;
+            return is_understood(rest) ? std::optional(packet_size(rest)) : std::nullopt;
+          },
+          [](Bytes frame) { return checksum_fits(packet_at(frame)); }};
+}
 
 GyroProtocol mavlink_gyro() {
   return {.name = "mavlink",

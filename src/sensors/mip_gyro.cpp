@@ -2,6 +2,7 @@
 // MicroStrain sensors: MIP. Source: protocols/mip.md.
 #include <limits>
 
+#include "foreign_bytes.h"
 #include "framed_gyro.h"
 
 namespace thermorig::sensors {
@@ -93,6 +94,10 @@ std::optional<Evidence> recognise_mip(Bytes bytes, double) {
 }
 
 }  // namespace
+
+FramedProtocol mip_frames() {
+  return framed_protocol<MipFraming>("MicroStrain packets (75 65)");
+}
 
 GyroProtocol mip_gyro() {
   return {.name = "mip",

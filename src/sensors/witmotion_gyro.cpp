@@ -8,6 +8,7 @@
 #include <cassert>
 #include <limits>
 
+#include "foreign_bytes.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/wire/byte_ledger.h"
 #include "thermorig/sensors/wire/checksums.h"
@@ -30,9 +31,12 @@ bool is_packet_start(Bytes rest) {
   return rest[0] == witmotion::sync && is_known_type(rest[1]);
 }
 
+bool has_right_packet_sum(Bytes rest) {
+  return wire::byte_sum8(rest.first(witmotion::sum_offset)) == rest[witmotion::sum_offset];
+}
+
 bool is_good(Bytes rest) {
-  return is_packet_start(rest) &&
-         wire::byte_sum8(rest.first(witmotion::sum_offset)) == rest[witmotion::sum_offset];
+  return is_packet_start(rest) && has_right_packet_sum(rest);
 }
 
 /// Whether a packet may stand before these bytes: another good one, or what the stream's end left of one.
@@ -191,6 +195,18 @@ std::optional<double> answered_bandwidth_hz(Bytes bytes) {
 }
 
 }  // namespace
+
+/// Of types that are not known, too: their sums are the same.
+FramedProtocol witmotion_frames() {
+  return {"WitMotion packets (55 5x)",
+          [](Bytes rest) {
+            constexpr std::uint8_t kind = 0xF0;
+            const bool begins =
+                rest[0] == witmotion::sync && (rest.size() == 1 || (rest[1] & kind) == witmotion::type_first);
+            return begins ? std::optional(witmotion::packet_bytes) : std::nullopt;
+          },
+          has_right_packet_sum};
+}
 
 GyroProtocol witmotion_gyro() {
   return {.name = "witmotion",

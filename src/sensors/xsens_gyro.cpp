@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Xsens (Movella) MTi sensors: MTData2. Source: protocols/xsens.md.
+#include "foreign_bytes.h"
 #include "framed_gyro.h"
 #include "thermorig/sensors/wire/checksums.h"
 
@@ -154,6 +155,10 @@ std::optional<Evidence> recognise_xsens(Bytes bytes, double) {
 }
 
 }  // namespace
+
+FramedProtocol xsens_frames() {
+  return framed_protocol<XsensFraming>("Xsens messages (FA FF)");
+}
 
 GyroProtocol xsens_gyro() {
   return {.name = "xsens",

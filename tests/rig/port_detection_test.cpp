@@ -76,6 +76,42 @@ TEST_F(Detection, OfASilentPortSaysThatItWasSilent) {
   EXPECT_EQ(findings[0].how, "silent at 7 baud rates");
 }
 
+/// A port with a wire, on which what is heard depends on the baud rate.
+class PortsWithAWire : public VirtualPorts {
+ public:
+  using VirtualPorts::VirtualPorts;
+  PortId open(const PortProfile& link, PortHandlers handlers, io::Refusal refusal) override {
+    baud = link.baud;
+    return VirtualPorts::open(link, std::move(handlers), refusal);
+  }
+  bool has_baud(const std::string&) const override { return true; }
+
+  std::uint32_t baud = 0;
+};
+
+/// At a wrong baud rate bits fall together: frames of a length remain, with bytes that are always the same.
+std::vector<std::uint8_t> misheard(int number) {
+  std::vector<std::uint8_t> bytes{0xF7, 0x9E};
+  for (int i = 2; i < 16; ++i) bytes.push_back(static_cast<std::uint8_t>(37 * number + i * i * (number + 5)));
+  return bytes;
+}
+
+TEST(DetectionAtAWrongBaudRate, GoesOnWhereTheBytesHaveAMarkThatNobodyKnows) {
+  for (const std::uint32_t right_baud : {9600U, 0U}) {
+    PortsWithAWire ports{simulation::default_rig(1, "kitchen")};
+    const std::string path = ports.add([&ports, right_baud, number = 0]() mutable {
+      const auto packet = wire::witmotion_gyro_packet({1, 2, static_cast<std::int16_t>(++number)}, 30.0F);
+      const std::vector<std::uint8_t> right(packet.begin(), packet.end());
+      return ports.baud == right_baud ? right : misheard(number);
+    });
+    const PortFinding finding = identify_devices({{.path = path}}, ports).at(0);
+    EXPECT_EQ(finding.baud, right_baud) << finding.how;
+    EXPECT_EQ(finding.role.has_value(), right_baud != 0) << finding.how;
+    EXPECT_THAT(finding.how, HasSubstr(right_baud != 0 ? "WitMotion" : "the mark F7 9E"));
+    EXPECT_EQ(finding.advice.empty(), right_baud != 0);
+  }
+}
+
 TEST_F(Detection, FindsARoleTwiceAndTakesNeither) {
   const auto packet = wire::witmotion_gyro_packet({1, 2, 3}, 30.0F);
   const auto gyro = [&] { return std::vector<std::uint8_t>(packet.begin(), packet.end()); };

@@ -107,7 +107,9 @@ class Listener {
     port_.reset();
     const Evidence evidence = classify(bytes_, to_s(now - opened_));
     const bool is_named = evidence.explained_share > 0.0;
-    if (!bytes_.empty() && (is_named || finding_.advice.empty())) {
+    const bool is_text = sensors::is_readable(bytes_);
+    if (!bytes_.empty() && (is_named || finding_.advice.empty() || (is_text && !heard_text_))) {
+      heard_text_ |= is_text;
       finding_.how = evidence.found.text;
       finding_.advice = evidence.found.advice;
     }
@@ -140,6 +142,7 @@ class Listener {
   std::size_t step_ = 0;
   std::optional<PortLoop::PortId> port_;
   std::vector<std::uint8_t> bytes_;
+  bool heard_text_ = false;  // that was not named; it is worth more than a guess at another baud rate
   HostTime opened_{}, first_arrival_{}, last_arrival_{};
   std::size_t first_chunk_bytes_ = 0;
   HostTime last_greeting_{};
@@ -219,6 +222,8 @@ Evidence classify(std::span<const std::uint8_t> bytes, double heard_s) {
   best.found = unknown_bytes(bytes);
   for (sensors::Recognised& found : sensors::recognise(bytes, heard_s)) {
     const double share = static_cast<double>(found.evidence.bytes) / static_cast<double>(bytes.size());
+    if (!found.role && found.evidence.bytes == 0)
+      best.found = found.evidence;  // a guess, unless a better comes
     if (share < share_needed || share <= best.explained_share) continue;
     best = {.role = found.is_usable() ? found.role : std::nullopt,
             .protocol = std::string(found.protocol),
