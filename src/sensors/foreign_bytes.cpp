@@ -364,7 +364,10 @@ std::optional<Evidence> unknown_mark(Bytes bytes) {
     for (std::size_t i = longest.at; i <= longest.at + longest.size; ++i)
       is_gy_mcu90640 |= begins_with(bytes.subspan(i), gy_mcu90640);
     const bool is_zero = std::all_of(run_bytes.begin(), run_bytes.end(), [](auto byte) { return byte == 0; });
-    return is_mark && !is_gy_mcu90640 && !is_zero ? longest : Run();
+    bool is_number_again = longest.size >= 4;  // of 16 bits: pixels that are as warm as the next
+    for (std::size_t i = 2; i < longest.size; ++i) is_number_again &= run_bytes[i] == run_bytes[i - 2];
+    is_number_again &= longest.size < 2 || run_bytes[0] != run_bytes[1];
+    return is_mark && !is_gy_mcu90640 && !is_zero && !is_number_again ? longest : Run();
   };
   const auto evidence = [&](std::size_t period, std::size_t needed, std::string_view what,
                             std::string advice) {

@@ -197,6 +197,8 @@ TEST(ForeignBytes, AreNotSeenInFramesOfWhichSomeAreGood) {
 TEST(ForeignBytes, AreNotSeenInCameraFrames) {
   ThermalFrame warm;
   for (std::size_t i = 0; i < warm.temp_c.size(); ++i) warm.temp_c[i] = 20.0F + 0.01F * static_cast<float>(i);
+  ThermalFrame even;
+  even.temp_c.fill(20.0F);
   for (const ThermalFrame& frame : {ThermalFrame(), warm}) {
     const ByteVector bytes = bytes_of(times(wire::camera_frame(frame), 10));
     for (const auto recognise : {sensors::recognise_foreign, sensors::recognise_unread}) {
@@ -205,6 +207,8 @@ TEST(ForeignBytes, AreNotSeenInCameraFrames) {
     }
     for (const auto& one : sensors::recognise(bytes, 1.0)) EXPECT_EQ(one.role, Device::camera);
   }
+  const ByteVector part = wire::camera_frame(even);
+  EXPECT_FALSE(sensors::recognise_unread(std::span(part).first(1000)).has_value());
 }
 
 std::string vectornav_lines(const char* sum_format, unsigned added) {

@@ -105,8 +105,10 @@ class Listener {
   void judge(HostTime now) {
     loop_.close(*port_);
     port_.reset();
-    const Evidence evidence = classify(bytes_, to_s(now - opened_));
+    Evidence evidence = classify(bytes_, to_s(now - opened_));
     const bool is_named = evidence.explained_share > 0.0;
+    if (!is_named && evidence.found.advice.empty())  // a guess, which is shown if no other rate gives more
+      if (auto guess = sensors::recognise_unread(bytes_)) evidence.found = *std::move(guess);
     const bool is_text = sensors::is_readable(bytes_);
     if (!bytes_.empty() && (is_named || finding_.advice.empty() || (is_text && !heard_text_))) {
       heard_text_ |= is_text;
@@ -222,8 +224,6 @@ Evidence classify(std::span<const std::uint8_t> bytes, double heard_s) {
   best.found = unknown_bytes(bytes);
   for (sensors::Recognised& found : sensors::recognise(bytes, heard_s)) {
     const double share = static_cast<double>(found.evidence.bytes) / static_cast<double>(bytes.size());
-    if (!found.role && found.evidence.bytes == 0)
-      best.found = found.evidence;  // a guess, unless a better comes
     if (share < share_needed || share <= best.explained_share) continue;
     best = {.role = found.is_usable() ? found.role : std::nullopt,
             .protocol = std::string(found.protocol),
