@@ -13,6 +13,7 @@
 #include "support/same_message.h"
 #include "thermorig/rig/discovery/detect.h"
 #include "thermorig/sensors/camera_protocol.h"
+#include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
 
@@ -135,8 +136,9 @@ std::optional<GyroProfile> profile_for(const DeviceLayout& layout, const rig::Ev
 Verdict verdict_on(const DeviceLayout& layout) {
   Verdict verdict{.layout = layout.name};
   const ByteVector bytes = stream_of(layout);
-  const rig::Evidence evidence =
-      rig::classify(bytes, static_cast<double>(messages_of(layout)) / layout.rate_hz);
+  rig::Evidence evidence = rig::classify(bytes, static_cast<double>(messages_of(layout)) / layout.rate_hz);
+  if (!evidence.role && evidence.found.advice.empty())  // as `ports` and `decode` then do
+    if (auto guess = sensors::recognise_unread(bytes)) evidence.found = *std::move(guess);
   verdict.sent = messages_of(layout);
   if (!layout.refusal.empty()) {
     verdict.said = "refused: " + evidence.found.text;

@@ -55,7 +55,8 @@ struct Recognised {
 std::optional<Evidence> recognise_foreign(std::span<const std::uint8_t> bytes);
 
 /// The same of bytes that nothing else is made of: frames of a protocol that is read, but with wrong check
-/// sums; and those of a layout that nobody knows, by what comes again.
+/// sums; and those of a layout that nobody knows, by what comes again. A guess, which explains no byte: it
+/// ends no search for a baud rate.
 std::optional<Evidence> recognise_unread(std::span<const std::uint8_t> bytes);
 
 /// All that recognise the bytes, which came in `heard_s` seconds (0: not known): this is the one table that
