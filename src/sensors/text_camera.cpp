@@ -188,9 +188,7 @@ class TextCameraScanner {
     if (std::exchange(is_overlong_, false)) return lose(line);
     if (is_held_) line.numbers() == 0 ? complete(out) : drop_frame_without_mark();
     if (!std::isnan(line.sensor_temp_c())) sensor_temp_c_ = line.sensor_temp_c();
-    if (line.is_short_of_one()) {
-      lose(line);
-    } else if (line.numbers() == frame_pixels) {
+    if (line.numbers() == frame_pixels && !line.is_short_of_one()) {
       drop_frame();
       is_as_before(line, was_joined) ? add(line, line.values()) : lose(line);
     } else if (line.numbers() == 0) {
