@@ -57,7 +57,7 @@ class NotedLegs {
   std::uint16_t noted_ = 0, asked_ = 0;
 };
 
-/// Of a measured angle: its count's own, and what the shaft turns in the time by which it may be late.
+/// Of a measured angle: its count's own, and what the shaft turns in the time that it may be late.
 inline float reading_uncertainty_deg(double count_deg, double rate_dps, double late_s) {
   return static_cast<float>(std::hypot(count_deg, rate_dps * late_s) / std::sqrt(12.0));
 }

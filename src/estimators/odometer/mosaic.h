@@ -43,7 +43,7 @@ class HalfStore {
   std::size_t count_ = 0;
 };
 
-/// What may be true of gyro and camera: half-frames are laid side by side with it.
+/// What may be true of gyro and camera: half-frames are placed side by side with it.
 struct Hypothesis {
   double bias_dps = 0.0, scale = 1.0, latency_s = 0.0;  // the gyro's, and the camera's against it
   RowOrder order = RowOrder::at_once;
