@@ -6,9 +6,9 @@
 #include <random>
 #include <vector>
 
+#include "fit/clocks/sliding_fit.h"
 #include "thermorig/fit/clocks/recorded_clock.h"
-#include "thermorig/pipeline/timing/parabola.h"
-#include "thermorig/pipeline/timing/sliding_fit.h"
+#include "thermorig/pipeline/timing/lower_line.h"
 #include "timing/recorded_stream.h"
 
 namespace thermorig::fit {

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "clock_summary.h"
+#include "sliding_fit.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/fit/clocks/recorded_clock.h"
 #include "thermorig/pipeline/timing/least_lateness.h"
 #include "thermorig/pipeline/timing/link_timing.h"
-#include "thermorig/pipeline/timing/parabola.h"
-#include "thermorig/pipeline/timing/sliding_fit.h"
+#include "thermorig/pipeline/timing/lower_line.h"
 
 namespace thermorig::fit {
 
@@ -151,8 +151,10 @@ class SegmentFitting {
       while (end < latest_.size() && latest_[end].device_s == latest_[begin].device_s) ++end;
       messages.push_back(timing::message_reads(latest_.subspan(begin, end - begin)));
     }
+    std::vector<CurveRise> rises;
+    for (const SlidingFit::Knot& knot : curve.knots()) rises.push_back({knot.x, knot.rise});
     return timing::least_lateness({latest_, messages, x0_, [&](std::size_t i) { return fit_.late_s[i]; }},
-                                  device_.step_s, curve.knots(), device_.window);
+                                  device_.step_s, rises, device_.window.length_s);
   }
 
   void add_messages(std::span<const double> level_s, std::span<const Estimate> least_s, SlidingFit& curve) {

@@ -7,7 +7,7 @@
 
 #include "thermorig/core/statistics.h"
 #include "thermorig/fit/clocks/recorded_clock.h"
-#include "thermorig/pipeline/timing/parabola.h"
+#include "thermorig/pipeline/timing/lower_line.h"
 
 namespace thermorig::fit {
 

@@ -33,9 +33,8 @@ struct BlockLateness {
 
 class Lateness {
  public:
-  Lateness(const Reads& reads, double step_s, std::span<const SlidingFit::Knot> knots,
-           const SlidingWindow& window)
-      : reads_(reads), step_s_(step_s), knots_(knots), window_(window) {
+  Lateness(const Reads& reads, double step_s, std::span<const CurveRise> knots, double window_s)
+      : reads_(reads), step_s_(step_s), knots_(knots), window_s_(window_s) {
     for (const MessageReads& message : reads.messages) cuts_ += message.cuts;
     by_cuts_ = cuts_ >= fewest_cuts && 50 * cuts_ >= reads.latest.size();
     silence_s_ = by_cuts_ ? 0.0 : silence();
@@ -161,13 +160,13 @@ class Lateness {
 
   Estimate at(std::size_t knot, double covered) {
     const double x = knots_[knot].x;
-    const auto before = [](const SlidingFit::Knot& k, double value) { return k.x < value; };
+    const auto before = [](const CurveRise& k, double value) { return k.x < value; };
     const auto place = [&](double at_x) {
       return static_cast<std::size_t>(std::lower_bound(knots_.begin(), knots_.end(), at_x, before) -
                                       knots_.begin());
     };
-    const std::size_t begin = place(x - 0.5 * window_.length_s);
-    const std::size_t end = std::max(place(x + 0.5 * window_.length_s), knot + 1);
+    const std::size_t begin = place(x - 0.5 * window_s_);
+    const std::size_t end = std::max(place(x + 0.5 * window_s_), knot + 1);
     const double slid = slid_share(begin, end);
     const double unknown_s = usb_frame_s * std::max(0.0, 1.0 - covered - slid);
     const double near_rise_s =
@@ -185,8 +184,8 @@ class Lateness {
 
   const Reads& reads_;
   double step_s_;
-  std::span<const SlidingFit::Knot> knots_;
-  const SlidingWindow& window_;
+  std::span<const CurveRise> knots_;
+  double window_s_;
   std::size_t cuts_ = 0;
   bool by_cuts_ = false;  // only chunks that cut a message are looked at
   double silence_s_ = 0.0;
@@ -220,9 +219,9 @@ MessageReads message_reads(std::span<const LatestBegin> reads) {
   return message;
 }
 
-LeastLateness least_lateness(const Reads& reads, double step_s, std::span<const SlidingFit::Knot> knots,
-                             const SlidingWindow& window, std::size_t first_knot) {
-  return Lateness(reads, step_s, knots, window).run(first_knot);
+LeastLateness least_lateness(const Reads& reads, double step_s, std::span<const CurveRise> knots,
+                             double window_s, std::size_t first_knot) {
+  return Lateness(reads, step_s, knots, window_s).run(first_knot);
 }
 
 namespace {

@@ -4,10 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/pipeline/timing/least_lateness.h"
-#include "thermorig/pipeline/timing/parabola.h"
-#include "thermorig/pipeline/timing/sliding_fit.h"
-
 namespace thermorig::timing {
 
 namespace {
@@ -37,6 +33,7 @@ constexpr double largest_drift = 4000e-6;  // that is tried
 constexpr double rise_share = 0.1;         // of a block, in the mean of late
 // A wait for a USB frame that slides past tilts the line, at whose end messages are placed.
 constexpr double line_end_s = usb_frame_s * uniform_deviation;
+constexpr double touching_s = 1e-7;      // so near the line a point holds it up
 constexpr double fastest_slew = 500e-6;  // of a host's clock, adjtimex(2)
 }  // namespace
 
@@ -239,6 +236,16 @@ void LiveClock::close_block(double x) {
   if (fitted_) expect_lateness();
 }
 
+namespace {
+/// How much higher the line would be at its middle without the points that hold it up.
+double rise_without_holding(std::span<const Ceiling> points, const Line& line, double slope_limit) {
+  std::vector<Ceiling> rest;
+  for (const Ceiling& point : points)
+    if (point.y - line.at(point.x) >= touching_s) rest.push_back(point);
+  return rest.empty() ? 0.0 : std::max(0.0, highest_line(rest, line.middle, slope_limit).a - line.a);
+}
+}  // namespace
+
 void LiveClock::fit(double x) {
   if (points_.size() < 2) return;
   const double begin_x = points_.front().x;
@@ -249,12 +256,9 @@ void LiveClock::fit(double x) {
       rate_known_ && span_s < 0.5 * window_s_ ? mean_slope_ : lower_line_slope(points_, mean_slope_);
   std::vector<Ceiling> level(points_);
   for (Ceiling& point : level) point.y -= points_.front().y + reference * (point.x - begin_x);
-  const double middle = begin_x + 0.5 * span_s;
-  const double half = std::max(0.5 * span_s, 1e-3);
-  const Moments evenly{0.0, half * half / 3.0};
-  const ParabolaLimits limits{rate_known_ && span_s < 0.5 * window_s_ ? drift_ : drift, 0.0};
-  const Parabola line = highest_below(level, middle, half, evenly, limits);
-  const double rise = rise_without_holding(level, line, middle, half, evenly, limits);
+  const double limit = rate_known_ && span_s < 0.5 * window_s_ ? drift_ : drift;
+  const Line line = highest_line(level, begin_x + 0.5 * span_s, limit);
+  const double rise = rise_without_holding(level, line, limit);
   rise_ += (span_s >= 0.9 * window_s_ ? rise_share : 1.0) * (rise - rise_);
   slope_ = reference + line.b;
   line_x_ = x;
@@ -267,15 +271,15 @@ void LiveClock::fit(double x) {
 /// As the fit of a whole recording does, from the last seconds alone.
 void LiveClock::expect_lateness() {
   if (blocks_.empty() || !std::isfinite(level_) || !std::isfinite(slope_)) return;
-  std::vector<SlidingFit::Knot> knots;
-  for (const Block& block : blocks_) knots.push_back({block.begin_x + 0.5 * block_s_, {}, rise_});
+  std::vector<CurveRise> knots;
+  for (const Block& block : blocks_) knots.push_back({block.begin_x + 0.5 * block_s_, rise_});
   const auto reads = std::span<const LatestBegin>(reads_).subspan(old_reads_);
   const auto messages = std::span<const MessageReads>(messages_).subspan(old_messages_);
   const auto late = [&](std::size_t i) {
     return late_s(reads[i].device_s, to_s(reads[i].latest - *origin_));
   };
-  const LeastLateness least = least_lateness({reads, messages, 0.0, late}, 1.0 / rate_hz_, knots,
-                                             {.length_s = window_s_, .block_s = block_s_}, knots.size() - 1);
+  const LeastLateness least =
+      least_lateness({reads, messages, 0.0, late}, 1.0 / rate_hz_, knots, window_s_, knots.size() - 1);
   const Estimate& now_s = least.at_knots_s.back();
   longest_silence_s_ = least.longest_hold_s;
   // Through few points a line says little; that much is known beforehand.

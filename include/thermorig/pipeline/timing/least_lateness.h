@@ -9,12 +9,35 @@
 #include <vector>
 
 #include "thermorig/core/estimate.h"
-#include "thermorig/pipeline/timing/parabola.h"
-#include "thermorig/pipeline/timing/sliding_fit.h"
+#include "thermorig/core/time.h"
 
 namespace thermorig::timing {
 
 inline constexpr double usb_frame_s = 0.001;  // full-speed USB
+
+/// Windows are measured against a clock that wanders so much, and hold so many messages and blocks.
+inline constexpr double reference_wander_ppm = 1000.0;
+inline constexpr double messages_a_window = 40.0;
+inline constexpr double blocks_a_window = 20.0;
+/// Over a short segment a clock's mean rate is known no better than this, in time at either end.
+inline constexpr double rate_slack_s = 0.005;
+
+/// One inequality that a read chunk proves: the message at `device_s` on its device's clock had begun to be
+/// sent by `latest`, since a later byte of it had arrived (arrival minus the wire time of the bytes up to
+/// it).
+struct LatestBegin {
+  double device_s = 0.0;
+  HostTime latest{};
+  bool inside = false;  // the chunk ended within the message: the link cut it off while bytes were coming
+  double wire_s = 0.0;  // wire time from the message's begin to the chunk's end: was taken off the arrival
+  double held_s = 0.0;  // how long the link had kept the chunk's first byte by then, at least
+};
+
+/// A place of the curve, and how much higher it would be there without the messages that hold it up.
+struct CurveRise {
+  double x = 0.0;
+  double rise = 0.0;
+};
 
 /// How late even the fastest bytes are: what a curve below all inequalities cannot show, and the shape of the
 /// lateness above it can.
@@ -45,7 +68,8 @@ struct Reads {
   std::function<double(std::size_t)> late_s;
 };
 
-/// `step_s`: between messages. Knots before `first_knot` get nothing.
+/// `step_s`: between messages. `window_s`: over which the curve was drawn. Knots before `first_knot` get
+/// nothing.
 ///
 /// Three parts, each from the data:
 ///
@@ -61,8 +85,8 @@ struct Reads {
 ///
 /// 3. Silence. A link that sends when its line falls silent (`longest_silence_s`): half of the longest
 /// silence.
-LeastLateness least_lateness(const Reads& reads, double step_s, std::span<const SlidingFit::Knot> knots,
-                             const SlidingWindow& window, std::size_t first_knot = 0);
+LeastLateness least_lateness(const Reads& reads, double step_s, std::span<const CurveRise> knots,
+                             double window_s, std::size_t first_knot = 0);
 
 /// Standard deviation of a uniform spread of width 1.
 inline constexpr double uniform_deviation = 0.5 / std::numbers::sqrt3;

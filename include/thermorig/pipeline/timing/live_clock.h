@@ -14,7 +14,7 @@
 #include "thermorig/core/statistics.h"
 #include "thermorig/core/time.h"
 #include "thermorig/pipeline/timing/least_lateness.h"
-#include "thermorig/pipeline/timing/parabola.h"
+#include "thermorig/pipeline/timing/lower_line.h"
 
 namespace thermorig::timing {
 

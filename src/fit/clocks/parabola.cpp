@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/pipeline/timing/parabola.h"
+#include "parabola.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace thermorig::timing {
+namespace thermorig::fit {
 
 namespace {
 constexpr int most_pivots = 200;
@@ -144,15 +144,6 @@ class HighestParabola {
   double curvature_;
   Basis basis_{};
 };
-
-/// Whether `b` lies on or above the line from `a` to `c` once each is raised by `curvature` x^2.
-bool is_hidden(const Ceiling& a, const Ceiling& b, const Ceiling& c, double curvature) {
-  const double u = b.x - a.x;
-  const double v = c.x - a.x;
-  const double b_s = b.y - a.y + curvature * u * u;
-  const double c_s = c.y - a.y + curvature * v * v;
-  return b_s * v >= c_s * u;
-}
 }  // namespace
 
 Parabola highest_below(std::span<const Ceiling> ceilings, double middle, double half_width,
@@ -174,37 +165,4 @@ double rise_without_holding(std::span<const Ceiling> ceilings, const Parabola& h
   return std::max(0.0, higher.at(x) - highest.at(x));
 }
 
-void keep_lower_hull(std::vector<Ceiling>& ceilings, std::size_t first, double curvature) {
-  std::size_t kept = first;
-  for (std::size_t i = first; i < ceilings.size(); ++i) {
-    const Ceiling next = ceilings[i];
-    if (kept > first && ceilings[kept - 1].x >= next.x) {  // same place: the lower one counts
-      if (ceilings[kept - 1].y <= next.y) continue;
-      --kept;
-    }
-    while (kept >= first + 2 && is_hidden(ceilings[kept - 2], ceilings[kept - 1], next, curvature)) --kept;
-    ceilings[kept++] = next;
-  }
-  ceilings.resize(kept);
-}
-
-namespace {
-double mean_x(std::span<const Ceiling> ceilings) {
-  double sum = 0.0;
-  for (const Ceiling& ceiling : ceilings) sum += ceiling.x - ceilings.front().x;
-  return ceilings.front().x + sum / static_cast<double>(ceilings.size());
-}
-}  // namespace
-
-double lower_line_slope(std::span<const Ceiling> ceilings, double fallback) {
-  if (ceilings.empty()) return fallback;
-  const double middle = mean_x(ceilings);
-  std::vector<Ceiling> hull(ceilings.begin(), ceilings.end());
-  keep_lower_hull(hull, 0, 0.0);
-  if (hull.size() < 2) return fallback;
-  std::size_t right = 1;
-  while (right + 1 < hull.size() && hull[right].x < middle) ++right;
-  return (hull[right].y - hull[right - 1].y) / (hull[right].x - hull[right - 1].x);
-}
-
-}  // namespace thermorig::timing
+}  // namespace thermorig::fit

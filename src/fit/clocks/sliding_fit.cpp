@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/pipeline/timing/sliding_fit.h"
+#include "sliding_fit.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace thermorig::timing {
+#include "thermorig/pipeline/timing/least_lateness.h"
+
+namespace thermorig::fit {
+
+using namespace timing;
 
 namespace {
 // A clock that wanders by 1000 ppm at most (an RC oscillator) is well followed by a parabola over 22 s. What
@@ -109,4 +113,4 @@ double SlidingFit::slope(double x) {
   return knots_[place_].curve.slope(x);
 }
 
-}  // namespace thermorig::timing
+}  // namespace thermorig::fit

@@ -5,16 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "thermorig/pipeline/timing/parabola.h"
+#include "parabola.h"
 
-namespace thermorig::timing {
-
-/// Windows are measured against a clock that wanders so much, and hold so many messages and blocks.
-inline constexpr double reference_wander_ppm = 1000.0;
-inline constexpr double messages_a_window = 40.0;
-inline constexpr double blocks_a_window = 20.0;
-/// Over a short segment a clock's mean rate is known no better than this, in time at either end.
-inline constexpr double rate_slack_s = 0.005;
+namespace thermorig::fit {
 
 /// How a sliding fit is cut.
 struct SlidingWindow {
@@ -68,4 +61,4 @@ class SlidingFit {
   std::size_t place_ = 0;  // knot at or before the x asked for last
 };
 
-}  // namespace thermorig::timing
+}  // namespace thermorig::fit
