@@ -15,9 +15,9 @@
 #include "print/number_json.h"
 #include "print/output.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/core/wire_time.h"
 #include "thermorig/io/files/disk.h"
 #include "thermorig/io/port.h"
-#include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/rig/sweep/plan.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_sketch.h"
@@ -127,13 +127,13 @@ Check check_link(Device device, const RigProfile& profile) {
     check.result = is_bus ? "I2C bus, no baud rate" : "USB, no baud rate";
     return check;
   }
-  const timing::LinkBudget budget = timing::link_budget(load.message_bytes, load.rate_hz, baud);
+  const LinkBudget budget = link_budget(load.message_bytes, load.rate_hz, baud);
   check.result = fmt::format("{} B x {:.0f} /s x 10 bit = {} bit/s of {} ({:.0f} %)", load.message_bytes,
                              load.rate_hz, count_text(static_cast<std::uint64_t>(load.bytes_per_s() * 10)),
                              count_text(baud), 100 * budget.load);
   if (budget.fits()) return check;
   check.code = ExitCode::bad_usage;
-  const auto faster = timing::usual_baud_for(load.message_bytes, load.rate_hz);
+  const auto faster = usual_baud_for(load.message_bytes, load.rate_hz);
   if (faster) check.advice = fmt::format("{} baud, on the device and in the rig profile", *faster);
   if (const double most_hz = std::floor(budget.max_rate_hz * 10.0) / 10.0; most_hz > 0.0)
     check.advice += fmt::format("{}at most {:.1f} /s", faster ? ", or " : "", most_hz);

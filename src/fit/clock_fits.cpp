@@ -14,7 +14,7 @@
 #include "thermorig/core/statistics.h"
 #include "thermorig/fit/clocks/recorded_clock.h"
 #include "thermorig/pipeline/final_times.h"
-#include "thermorig/pipeline/timing/own_time.h"
+#include "thermorig/pipeline/timing/device_time.h"
 #include "thermorig/pipeline/timing/ping_clock.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"

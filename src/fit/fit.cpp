@@ -9,6 +9,7 @@
 #include "checked_constants.h"
 #include "clock_fits.h"
 #include "images_share.h"
+#include "pieces.h"
 #include "ping_exchanges.h"
 #include "thermorig/core/bad_pixels.h"
 #include "thermorig/fit/clocks/recorded_clock.h"
@@ -19,7 +20,6 @@
 #include "thermorig/fit/shaft/servo_response.h"
 #include "thermorig/fit/shaft/witnesses.h"
 #include "thermorig/pipeline/final_times.h"
-#include "thermorig/pipeline/replay.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"
 
@@ -72,8 +72,7 @@ std::vector<Stamp> stamps_of(std::span<const Message> messages) {
 template <typename Message, typename FitPiece>
 ClockFit fit_pieces(const RawRecording& raw, Device device, const std::vector<Message>& messages,
                     double nominal_rate_hz, FitPiece fit_piece) {
-  const std::vector<std::size_t> begins =
-      pipeline::piece_begins(messages, pipeline::break_offsets(raw, device));
+  const std::vector<std::size_t> begins = piece_begins(messages, break_offsets(raw, device));
   if (begins.size() < 2) return fit_piece(0, messages.size());
   std::vector<ClockPiece> pieces;
   for (std::size_t i = 0; i < begins.size(); ++i) {
@@ -217,8 +216,8 @@ void name_setting(const sensors::ServoProtocol& protocol, const Streams& streams
 Fits fit_recording(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   const RigProfile& profile = raw.header.profile;
   put_proofs(raw.received[Device::camera], profile.camera.link.baud, streams.frames);
-  CameraRhythm rhythm = camera_rhythm(
-      streams.frames, pipeline::piece_begins(streams.frames, pipeline::break_offsets(raw, Device::camera)));
+  CameraRhythm rhythm =
+      camera_rhythm(streams.frames, piece_begins(streams.frames, break_offsets(raw, Device::camera)));
   PerDevice<ClockFit> clocks = fit_clocks(raw, streams, rhythm);
   Fits fits;
   fits.camera_mode = rhythm.mode;

@@ -18,12 +18,12 @@ const TimedServo& telemetry_near(const std::vector<TimedServo>& servo, const Str
 }
 }  // namespace
 
-std::vector<timing::PingExchange> ping_exchanges(const RawStream& received, const RawStream& sent,
-                                                 const pipeline::Streams& streams, std::uint32_t baud) {
+std::vector<timing::PingBound> ping_exchanges(const RawStream& received, const RawStream& sent,
+                                              const pipeline::Streams& streams, std::uint32_t baud) {
   const auto spans = spans_of(streams.pongs);
   if (streams.servo.empty() || !holds(received, spans)) return {};
   const auto not_after = earliest_proofs(received, spans, baud);
-  std::vector<timing::PingExchange> exchanges;
+  std::vector<timing::PingBound> exchanges;
   pipeline::PingLedger ledger(baud);
   std::size_t write = 0;
   for (std::size_t i = 0; i < spans.size(); ++i) {
@@ -36,9 +36,9 @@ std::vector<timing::PingExchange> ping_exchanges(const RawStream& received, cons
   return exchanges;
 }
 
-std::optional<double> shortest_round_trip_s(const std::vector<timing::PingExchange>& exchanges) {
+std::optional<double> shortest_round_trip_s(const std::vector<timing::PingBound>& exchanges) {
   std::optional<double> shortest_s;
-  for (const timing::PingExchange& exchange : exchanges) {
+  for (const timing::PingBound& exchange : exchanges) {
     // As floating point, which no two instants overflow.
     const double held_s =
         1e-6 * (static_cast<double>(exchange.send_us) - static_cast<double>(exchange.receive_us));
@@ -50,12 +50,13 @@ std::optional<double> shortest_round_trip_s(const std::vector<timing::PingExchan
   return shortest_s;
 }
 
-std::vector<timing::SentStamp> sent_stamps(const RawStream& received, const std::vector<TimedServo>& servo,
+std::vector<timing::PingBound> sent_stamps(const RawStream& received, const std::vector<TimedServo>& servo,
                                            std::uint32_t baud) {
   const auto not_after = earliest_proofs(received, spans_of(servo), baud);
-  std::vector<timing::SentStamp> stamps;
+  std::vector<timing::PingBound> stamps;
   stamps.reserve(servo.size());
-  for (std::size_t i = 0; i < servo.size(); ++i) stamps.push_back({servo[i].mcu_time_us, not_after[i]});
+  for (std::size_t i = 0; i < servo.size(); ++i)
+    stamps.push_back(timing::sent_at(servo[i].mcu_time_us, not_after[i]));
   return stamps;
 }
 

@@ -36,14 +36,14 @@ inline bool holds(const RawStream& received, std::span<const StreamSpan> spans) 
 // What a recording says about the servo's clock, in the words of fit_pings.
 
 /// Each answer with its ping. Answers whose ping is not in `sent` are left out.
-std::vector<timing::PingExchange> ping_exchanges(const RawStream& received, const RawStream& sent,
-                                                 const pipeline::Streams& streams, std::uint32_t baud);
+std::vector<timing::PingBound> ping_exchanges(const RawStream& received, const RawStream& sent,
+                                              const pipeline::Streams& streams, std::uint32_t baud);
 
 /// Of a ping to the servo and its answer, what the servo held it back taken off. None without an answer.
-std::optional<double> shortest_round_trip_s(const std::vector<timing::PingExchange>& exchanges);
+std::optional<double> shortest_round_trip_s(const std::vector<timing::PingBound>& exchanges);
 
 /// Telemetry: mcu_us is taken when the message is composed, before its first byte goes out.
-std::vector<timing::SentStamp> sent_stamps(const RawStream& received, const std::vector<TimedServo>& servo,
+std::vector<timing::PingBound> sent_stamps(const RawStream& received, const std::vector<TimedServo>& servo,
                                            std::uint32_t baud);
 
 std::vector<std::int64_t> mcu_times_us(const std::vector<TimedServo>& servo);

@@ -13,8 +13,8 @@
 #include "thermorig/core/time.h"
 #include "thermorig/pipeline/final_times.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/pipeline/timing/device_time.h"
 #include "thermorig/pipeline/timing/link_timing.h"
-#include "thermorig/pipeline/timing/own_time.h"
 #include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::pipeline {

@@ -19,23 +19,23 @@ std::int64_t unwrapped_near(const TimedServo& telemetry, std::uint32_t mcu_us) {
 void PingLedger::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
   for (const wire::SentFrame& frame : wire::read_sent(bytes)) {
     if (frame.type != SERVO_PING) continue;
-    const HostDuration wire_time = from_s(timing::shortest_wire_time_s(frame.span.end, baud_));
+    const HostDuration wire_time = from_s(shortest_wire_time_s(frame.span.end, baud_));
     pings_.push_back({servo_get_u32(frame.payload.data()), before_write, before_write + wire_time});
     if (pings_.size() > remembered) pings_.pop_front();
   }
 }
 
-std::optional<timing::PingExchange> PingLedger::exchange(const TimedPong& pong, const TimedServo& telemetry,
-                                                         HostTime not_after) const {
+std::optional<timing::PingBound> PingLedger::exchange(const TimedPong& pong, const TimedServo& telemetry,
+                                                      HostTime not_after) const {
   const auto is_asked = [&](const Ping& ping) {
     return ping.token == pong.token && ping.written <= pong.arrival;
   };
   const auto ping = std::find_if(pings_.rbegin(), pings_.rend(), is_asked);
   if (ping == pings_.rend()) return std::nullopt;
-  return timing::PingExchange{.receive_us = unwrapped_near(telemetry, pong.receive_us),
-                              .not_before = ping->received_not_before,
-                              .send_us = unwrapped_near(telemetry, pong.send_us),
-                              .not_after = not_after};
+  return timing::PingBound{.receive_us = unwrapped_near(telemetry, pong.receive_us),
+                           .not_before = ping->received_not_before,
+                           .send_us = unwrapped_near(telemetry, pong.send_us),
+                           .not_after = not_after};
 }
 
 }  // namespace thermorig::pipeline

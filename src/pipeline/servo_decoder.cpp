@@ -71,7 +71,7 @@ void ServoDecoder::sent(std::span<const std::uint8_t> bytes, HostTime before_wri
   pings_.sent(bytes, before_write);
   scanner_.sent(bytes);
   if (!telemetry_request_.empty() && std::ranges::equal(bytes, telemetry_request_))
-    reads_.asked(before_write + from_s(timing::shortest_wire_time_s(bytes.size(), baud_)));
+    reads_.asked(before_write + from_s(shortest_wire_time_s(bytes.size(), baud_)));
 }
 
 ServoDecoder::Decoded ServoDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
@@ -177,7 +177,7 @@ TimedPong ServoDecoder::timed(const wire::ServoMessage& message, const wire::Ser
 
 /// Until a ping has been answered the arrival is all there is.
 void ServoDecoder::stamp_by_clock(TimedServo& servo, HostTime not_after) {
-  clock_.sent({.send_us = servo.mcu_time_us, .not_after = not_after});
+  clock_.feed(timing::sent_at(servo.mcu_time_us, not_after));
   const auto estimate = clock_.at(servo.mcu_time_us);
   if (estimate) put(*estimate, servo.stamp);
 }
@@ -186,22 +186,22 @@ void ServoDecoder::stamp_by_clock(TimedServo& servo, HostTime not_after) {
 void ServoDecoder::learn_of_answer(const TimedServo& servo, HostTime asked, HostTime not_after) {
   const std::int64_t tick_us = std::llround(1e6 * mcu_clock_.tick_s);
   const std::int64_t at_most_us = servo.mcu_time_us + tick_us;
-  clock_.exchange({.receive_us = at_most_us,
-                   .not_before = asked,
-                   .send_us = at_most_us,
-                   .not_after = not_after + std::chrono::microseconds(tick_us)});
+  clock_.feed({.receive_us = at_most_us,
+               .not_before = asked,
+               .send_us = at_most_us,
+               .not_after = not_after + std::chrono::microseconds(tick_us)});
 }
 
 void ServoDecoder::learn(const TimedPong& pong, HostTime not_after) {
   if (!telemetry_) return;
   const auto exchange = pings_.exchange(pong, *telemetry_, not_after);
-  if (exchange) clock_.exchange(*exchange);
+  if (exchange) clock_.feed(*exchange);
 }
 
 /// The bytes from its first one on were through when the newest chunk was read.
 HostTime ServoDecoder::begun_by(const StreamSpan& span) const {
   const std::uint64_t bytes = scanner_.counters().bytes_received - span.begin;
-  return newest_arrival_ - from_s(timing::shortest_wire_time_s(bytes, baud_));
+  return newest_arrival_ - from_s(shortest_wire_time_s(bytes, baud_));
 }
 
 }  // namespace thermorig::pipeline

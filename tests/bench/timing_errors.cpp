@@ -10,8 +10,8 @@
 #include "servo_link.h"
 #include "thermorig/fit/fit.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/pipeline/timing/device_time.h"
 #include "thermorig/pipeline/timing/link_timing.h"
-#include "thermorig/pipeline/timing/mcu_time.h"
 #include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/sensors/wire/sent_commands.h"
 #include "timing_baselines.h"
@@ -82,7 +82,7 @@ void judge_stream(Device device, const std::vector<Timed>& decoded, const std::v
     }
     const HostTime instant = instant_of(*truth[i], device);
     const Stamp& stamp = decoded[i].stamp;
-    const double wire_s = timing::wire_time_s(decoded[i].span.size(), link.baud);
+    const double wire_s = wire_time_s(decoded[i].span.size(), link.baud);
     arrivals.push_back(
         {static_cast<double>(truth[i]->index), host_s(stamp.arrival) - wire_s - link.latency_s});
     instants.push_back(instant);
@@ -191,8 +191,8 @@ PerDevice<Errors> judge(const simulation::VirtualRigConfig& config, double durat
   judge_stream(Device::gyro, recorded.live.gyro, fits.times[Device::gyro], config.profile.gyro.link,
                recorded.rig->sent_gyro(), from, errors[Device::gyro]);
   const double telemetry_wire_s =
-      timing::wire_time_s(recorded.live.servo.empty() ? 0 : recorded.live.servo.front().span.size(),
-                          config.profile.servo.link.baud);
+      wire_time_s(recorded.live.servo.empty() ? 0 : recorded.live.servo.front().span.size(),
+                  config.profile.servo.link.baud);
   judge_servo(recorded, fits.times[Device::servo], telemetry_wire_s, from, errors[Device::servo]);
   take_constants_off(errors[Device::gyro]);
   take_constants_off(errors[Device::servo]);

@@ -78,7 +78,7 @@ TEST(PingFit, MarksLostTelemetryAsAGap) {
   PingTraffic cdc = traffic({.seed = 8, .duration_s = 60.0});
   const auto lost = [](std::int64_t mcu_us) { return mcu_us > 20 * second_us && mcu_us < 25 * second_us; };
   std::erase_if(cdc.mcu_us, lost);
-  std::erase_if(cdc.sent, [&](const SentStamp& stamp) { return lost(stamp.send_us); });
+  std::erase_if(cdc.sent, [&](const PingBound& stamp) { return lost(stamp.send_us); });
   const PingFit result = fit(cdc);
   ASSERT_EQ(result.report.gaps.size(), 1U);
   EXPECT_EQ(result.report.gaps[0].missing, 499U);
@@ -247,7 +247,7 @@ TEST(PingFit, SurvivesHostileValues) {
 
 TEST(PingFit, TakesTwoMessages) {
   const std::vector<std::int64_t> asked{1'000'000};
-  const std::vector<PingExchange> one{{1'000'000, host_time_ns(0), 1'001'000, host_time_ns(3'000'000)}};
+  const std::vector<PingBound> one{{1'000'000, host_time_ns(0), 1'001'000, host_time_ns(3'000'000)}};
   const PingFit result = fit_pings(asked, one, {}, servo_link());
   ASSERT_EQ(result.times.size(), 1U);
   EXPECT_NEAR(to_s(result.times[0].time.time_since_epoch()), 0.001, 0.0001);

@@ -111,7 +111,7 @@ TEST(GyroClock, CountsLiveAsWellAndLosesNothing) {
       std::string lines;
       for (int k = 0; k < batch; ++k) lines += fmt::format("{:.0f} 1 2 {}\n", 1e3 * read_s, i + k);
       const std::vector<std::uint8_t> bytes(lines.begin(), lines.end());
-      const double sent_s = timing::wire_time_s(bytes.size(), rig.gyro.link.baud);
+      const double sent_s = wire_time_s(bytes.size(), rig.gyro.link.baud);
       pipeline.feed(Device::gyro, bytes, HostTime(from_s(1.0 + read_s + sent_s)));
       const Streams streams = pipeline.take_streams();
       gyro.insert(gyro.end(), streams.gyro.begin(), streams.gyro.end());

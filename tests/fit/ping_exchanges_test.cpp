@@ -12,7 +12,7 @@ using namespace pipeline;
 namespace {
 
 /// An exchange that was away for `away_ms`, `held_us` of them with the servo.
-timing::PingExchange exchange(double away_ms, std::int64_t held_us) {
+timing::PingBound exchange(double away_ms, std::int64_t held_us) {
   return {.receive_us = 1'000'000,
           .not_before = HostTime(from_s(5.0)),
           .send_us = 1'000'000 + held_us,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/pieces.h"
 #include "scripted_bytes.h"
 #include "thermorig/fit/fit.h"
 #include "thermorig/pipeline/replay.h"
@@ -98,7 +99,7 @@ TEST(Interruption, NeverJoinsTheTwoHalvesOfAMessage) {
   for (const Device device : all_devices) {
     RawRecording raw = with_absence(device);
     RawStream& stream = raw.received[device];
-    const std::uint64_t at = break_offsets(raw, device).at(0);
+    const std::uint64_t at = fit::break_offsets(raw, device).at(0);
     RawStream cut;
     for (std::size_t i = 0; i < stream.chunk_count(); ++i) {
       auto bytes = stream.chunk(i);
@@ -106,7 +107,7 @@ TEST(Interruption, NeverJoinsTheTwoHalvesOfAMessage) {
       cut.append(bytes, stream.time(i));
     }
     stream = cut;
-    const std::uint64_t joint = break_offsets(raw, device).at(0);
+    const std::uint64_t joint = fit::break_offsets(raw, device).at(0);
     const Passed passed = pass(raw, {});
     const auto spans = [&](const auto& messages) {
       return std::any_of(messages.begin(), messages.end(), [&](const auto& message) {
@@ -146,13 +147,13 @@ TEST(Interruption, BeforeTheFirstByteOrAfterTheLastIsNone) {
   raw.events = {{HostTime(from_s(0.0)), EventKind::missing, Device::camera, ""},
                 {raw.end_time, EventKind::device_lost, Device::camera, ""},
                 {HostTime(from_s(2.5)), EventKind::device_lost, std::nullopt, ""}};
-  EXPECT_TRUE(break_offsets(raw, Device::camera).empty());
+  EXPECT_TRUE(fit::break_offsets(raw, Device::camera).empty());
 }
 
 TEST(Interruption, OfAnUnsortedListIsStillTakenInOrder) {
   RawRecording raw = with_absence(Device::camera);
   raw.events.insert(raw.events.begin(), {HostTime(from_s(5.0)), EventKind::device_lost, Device::camera, ""});
-  const auto offsets = break_offsets(raw, Device::camera);
+  const auto offsets = fit::break_offsets(raw, Device::camera);
   ASSERT_EQ(offsets.size(), 2U);
   EXPECT_LT(offsets[0], offsets[1]);
   EXPECT_EQ(both_passes(raw).fits.sync->clock[Device::camera].epochs.size(), 3U);
@@ -162,7 +163,7 @@ TEST(Interruption, OfWhichAFileClaimsTooManyAreCountedToALimit) {
   RawRecording raw = with_absence(Device::camera);
   for (int i = 0; i < 5000; ++i)
     raw.events.push_back({HostTime(from_s(0.001 * i)), EventKind::device_lost, Device::gyro, ""});
-  EXPECT_EQ(break_offsets(raw, Device::gyro).size(), 255U);
+  EXPECT_EQ(fit::break_offsets(raw, Device::gyro).size(), 255U);
   both_passes(raw);
 }
 

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t baud = 250000;
 
 double on_the_wire_s(std::size_t bytes) {
-  return timing::shortest_wire_time_s(bytes, baud);
+  return shortest_wire_time_s(bytes, baud);
 }
 
 HostTime at_ms(double ms) {
@@ -51,7 +51,7 @@ TEST(PingLedger, HoldsOverALineThatIsFasterThanItsBaudRate) {
   PingLedger ledger(baud);
   const auto ping = wire::ping_bytes(7, 3000);
   ledger.sent(ping, at_ms(100));
-  const double through_s = timing::wire_time_s(ping.size(), baud) / 1.02;
+  const double through_s = wire_time_s(ping.size(), baud) / 1.02;
   EXPECT_LE(ledger.exchange(pong(7, 1, 2, 105), telemetry_at(0), at_ms(104))->not_before,
             at_ms(100) + from_s(through_s));
 }

@@ -86,7 +86,7 @@ std::vector<Chunk> chunks_within_messages(const ScriptedRecording& recording, st
     for (std::size_t begin = 0; begin < message.bytes.size(); begin += chunk_bytes) {
       const std::size_t end = std::min(begin + chunk_bytes, message.bytes.size());
       chunks.push_back({message.device,
-                        message.begin + from_s(timing::wire_time_s(end, baud)),
+                        message.begin + from_s(wire_time_s(end, baud)),
                         {message.bytes.begin() + static_cast<std::ptrdiff_t>(begin),
                          message.bytes.begin() + static_cast<std::ptrdiff_t>(end)}});
     }

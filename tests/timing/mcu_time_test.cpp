@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/pipeline/timing/mcu_time.h"
+#include "thermorig/pipeline/timing/device_time.h"
 
 #include <gtest/gtest.h>
 

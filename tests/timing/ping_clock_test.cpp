@@ -67,9 +67,9 @@ TEST(PingClock, KnowsNothingBeforeTheFirstExchange) {
   PingClock clock(servo_link());
   EXPECT_FALSE(clock.at(0).has_value());
   EXPECT_THAT(clock.epochs(), IsEmpty());
-  clock.sent({1000, host_time_ns(2'000'000)});
+  clock.feed(sent_at(1000, host_time_ns(2'000'000)));
   EXPECT_FALSE(clock.at(1000).has_value());
-  clock.exchange({2000, host_time_ns(2'000'000), 2500, host_time_ns(4'000'000)});
+  clock.feed({2000, host_time_ns(2'000'000), 2500, host_time_ns(4'000'000)});
   EXPECT_TRUE(clock.at(2500).has_value());
 }
 
@@ -108,7 +108,7 @@ TEST(PingClock, IgnoresAnAnswerThatWasSentBeforeItsPing) {
   PingClock clock(servo_link());
   feed(clock, cdc, [](std::int64_t) {});
   const auto before = clock.at(20 * second_us);
-  clock.exchange({25 * second_us, host_time_ns(0), 24 * second_us, host_time_ns(1)});
+  clock.feed({25 * second_us, host_time_ns(0), 24 * second_us, host_time_ns(1)});
   const auto after = clock.at(20 * second_us);
   ASSERT_TRUE(before && after);
   EXPECT_EQ(before->time, after->time);
@@ -122,8 +122,8 @@ TEST(PingClock, SurvivesHostileValues) {
     link.wander_ppm = wander_ppm;
     PingClock clock(link);
     for (std::size_t i = 0; i < hostile.sent.size(); ++i) {
-      clock.exchange(hostile.exchanges[i]);
-      clock.sent(hostile.sent[i]);
+      clock.feed(hostile.exchanges[i]);
+      clock.feed(hostile.sent[i]);
       clock.at(hostile.values[i % hostile.values.size()]);
     }
     EXPECT_GE(clock.epochs().size(), 1U);

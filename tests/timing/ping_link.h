@@ -68,8 +68,8 @@ struct LinkOptions {
 struct PingTraffic {
   QuartzClock clock;
   std::vector<std::int64_t> mcu_us;
-  std::vector<PingExchange> exchanges;
-  std::vector<SentStamp> sent;
+  std::vector<PingBound> exchanges;
+  std::vector<PingBound> sent;
 };
 
 inline PingTraffic traffic(const LinkOptions& options) {
@@ -94,7 +94,7 @@ inline PingTraffic traffic(const LinkOptions& options) {
     const std::int64_t mcu_us = std::llround(mcu_s * 1e6);
     result.mcu_us.push_back(mcu_us);
     result.sent.push_back(
-        {mcu_us, host(arrival_s(result.clock.host_s(mcu_s) + 30e-6) - options.wire_error_s)});
+        sent_at(mcu_us, host(arrival_s(result.clock.host_s(mcu_s) + 30e-6) - options.wire_error_s)));
   }
   for (double at_s = 1.0; at_s < options.duration_s - 1.0;
        at_s += options.ping_s * (0.7 + 0.6 * uniform(random))) {
@@ -111,10 +111,10 @@ inline PingTraffic traffic(const LinkOptions& options) {
 template <typename Look>
 void feed(PingClock& clock, const PingTraffic& traffic, Look look) {
   std::size_t next = 0;
-  for (const SentStamp& stamp : traffic.sent) {
+  for (const PingBound& stamp : traffic.sent) {
     for (; next < traffic.exchanges.size() && traffic.exchanges[next].not_after <= stamp.not_after; ++next)
-      clock.exchange(traffic.exchanges[next]);
-    clock.sent(stamp);
+      clock.feed(traffic.exchanges[next]);
+    clock.feed(stamp);
     look(stamp.send_us);
   }
 }
@@ -153,9 +153,9 @@ inline ServoScore judge(const std::vector<std::int64_t>& mcu_us, const std::vect
 inline void append(PingTraffic& to, const PingTraffic& more, double host_shift_s, std::int64_t mcu_shift_us) {
   const HostDuration host_shift = from_s(host_shift_s);
   for (const std::int64_t mcu_us : more.mcu_us) to.mcu_us.push_back(mcu_us + mcu_shift_us);
-  for (const SentStamp& stamp : more.sent)
-    to.sent.push_back({stamp.send_us + mcu_shift_us, stamp.not_after + host_shift});
-  for (const PingExchange& exchange : more.exchanges)
+  for (const PingBound& stamp : more.sent)
+    to.sent.push_back(sent_at(stamp.send_us + mcu_shift_us, stamp.not_after + host_shift));
+  for (const PingBound& exchange : more.exchanges)
     to.exchanges.push_back({exchange.receive_us + mcu_shift_us, exchange.not_before + host_shift,
                             exchange.send_us + mcu_shift_us, exchange.not_after + host_shift});
 }
@@ -164,8 +164,8 @@ inline void append(PingTraffic& to, const PingTraffic& more, double host_shift_s
 template <typename Ahead>
 PingTraffic on_host(PingTraffic traffic, Ahead ahead_s) {
   const auto shown = [&](HostTime time) { return time + from_s(ahead_s(to_s(time.time_since_epoch()))); };
-  for (SentStamp& stamp : traffic.sent) stamp.not_after = shown(stamp.not_after);
-  for (PingExchange& exchange : traffic.exchanges) {
+  for (PingBound& stamp : traffic.sent) stamp.not_after = shown(stamp.not_after);
+  for (PingBound& exchange : traffic.exchanges) {
     exchange.not_before = shown(exchange.not_before);
     exchange.not_after = shown(exchange.not_after);
   }
@@ -210,8 +210,8 @@ inline PingTraffic wild_traffic(const Wandering& one, double timer_s) {
 /// Messages with every pair of values that breaks a sum.
 struct HostileTraffic {
   std::vector<std::int64_t> values;
-  std::vector<PingExchange> exchanges;
-  std::vector<SentStamp> sent;
+  std::vector<PingBound> exchanges;
+  std::vector<PingBound> sent;
 };
 
 inline HostileTraffic hostile_traffic() {
@@ -221,7 +221,7 @@ inline HostileTraffic hostile_traffic() {
   for (const std::int64_t a : hostile.values)
     for (const std::int64_t b : hostile.values) {
       hostile.exchanges.push_back({a, host_time_ns(b), b, host_time_ns(a)});
-      hostile.sent.push_back({a, host_time_ns(b)});
+      hostile.sent.push_back(sent_at(a, host_time_ns(b)));
     }
   return hostile;
 }

@@ -28,8 +28,8 @@ class PingLedger {
   /// `telemetry`: a message of the same epoch, near the answer in the stream: it unwraps the answer's times.
   /// `not_after`: the answer had begun to be sent by then. None if the ping is not known. Where a token was
   /// used again (the recorder counts anew after a reset), the newest ping before the answer is meant.
-  std::optional<timing::PingExchange> exchange(const TimedPong& pong, const TimedServo& telemetry,
-                                               HostTime not_after) const;
+  std::optional<timing::PingBound> exchange(const TimedPong& pong, const TimedServo& telemetry,
+                                            HostTime not_after) const;
 
  private:
   struct Ping {

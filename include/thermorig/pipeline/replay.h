@@ -25,24 +25,6 @@ bool is_interruption(const RecordingEvent& event);
 /// All of a recording, in order of time: what its events tell.
 std::vector<Interruption> interruptions(const RawRecording& raw);
 
-/// Where the stream of the device is broken: the offset of the first byte after each of its interruptions
-/// that has bytes before and after it. Ascending, the first 255.
-std::vector<std::uint64_t> break_offsets(const RawRecording& raw, Device device);
-
-/// Indices of the first message of each piece, 0 first; empty without messages. No message spans a break.
-template <typename Messages>
-std::vector<std::size_t> piece_begins(const Messages& messages, std::span<const std::uint64_t> breaks) {
-  std::vector<std::size_t> begins;
-  std::size_t next_break = 0;
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    bool is_first = i == 0;
-    for (; next_break < breaks.size() && breaks[next_break] <= messages[i].span.begin; ++next_break)
-      is_first = true;
-    if (is_first) begins.push_back(i);
-  }
-  return begins;
-}
-
 /// Bytes that came in one read(), or that went to a device in one write(); or a device that went away.
 struct ReplayStep {
   std::optional<Device> from;  // none: they went to one

@@ -142,26 +142,26 @@ struct EpochData {
 
 /// Both kinds of messages in the order in which they arrived. The micro-controller's time decides between
 /// those that arrived together.
-std::vector<PingBound> in_order(std::span<const PingExchange> exchanges, std::span<const SentStamp> sent,
+std::vector<PingBound> in_order(std::span<const PingBound> exchanges, std::span<const PingBound> sent,
                                 std::vector<std::size_t>& place_of_sent) {
   std::vector<PingBound> bounds;
   bounds.reserve(exchanges.size() + sent.size());
   std::size_t next = 0;
-  for (const SentStamp& stamp : sent) {
+  for (const PingBound& stamp : sent) {
     for (; next < exchanges.size() && exchanges[next].not_after <= stamp.not_after; ++next)
-      if (exchanges[next].send_us >= exchanges[next].receive_us) bounds.push_back(two_sided(exchanges[next]));
+      if (exchanges[next].send_us >= exchanges[next].receive_us) bounds.push_back(exchanges[next]);
     place_of_sent.push_back(bounds.size());
-    bounds.push_back(one_sided(stamp));
+    bounds.push_back(stamp);
   }
   for (; next < exchanges.size(); ++next)
-    if (exchanges[next].send_us >= exchanges[next].receive_us) bounds.push_back(two_sided(exchanges[next]));
+    if (exchanges[next].send_us >= exchanges[next].receive_us) bounds.push_back(exchanges[next]);
   return bounds;
 }
 
 /// Bounds by epoch, those that fit no clock left out; `epoch_of` says of each bound to which it belongs.
 std::vector<EpochData> split(const std::vector<PingBound>& bounds, const PortProfile& link,
                              std::vector<std::size_t>& epoch_of) {
-  PingEpochs follower(link);
+  PingClock follower(link);
   std::vector<char> doubted;
   for (const PingBound& bound : bounds) {
     follower.feed(bound);
@@ -180,7 +180,7 @@ std::vector<EpochData> split(const std::vector<PingBound>& bounds, const PortPro
 /// Gives each time that is asked for to the epoch in which it was sent: both go through the same steps back.
 class EpochFinder {
  public:
-  EpochFinder(std::span<const SentStamp> sent, const std::vector<std::size_t>& epoch_of_sent)
+  EpochFinder(std::span<const PingBound> sent, const std::vector<std::size_t>& epoch_of_sent)
       : sent_(sent), epoch_of_sent_(epoch_of_sent) {}
 
   std::size_t find(std::int64_t mcu_us) {
@@ -204,11 +204,17 @@ class EpochFinder {
       }
   }
 
-  std::span<const SentStamp> sent_;
+  std::span<const PingBound> sent_;
   const std::vector<std::size_t>& epoch_of_sent_;
   std::size_t at_ = 0;
   std::optional<std::int64_t> asked_before_;
 };
+
+/// An estimate that says nothing.
+TimeEstimate unknown_time() {
+  const float nothing = std::numeric_limits<float>::infinity();
+  return {.uncertainty_s = nothing, .earlier_s = nothing, .later_s = nothing};
+}
 
 struct Asked {
   PingHull::Event event;
@@ -382,8 +388,8 @@ void fit_after(const EpochData& before, const EpochData& data, std::span<const s
 
 }  // namespace
 
-PingFit fit_pings(std::span<const std::int64_t> mcu_us, std::span<const PingExchange> exchanges,
-                  std::span<const SentStamp> sent, const PortProfile& link) {
+PingFit fit_pings(std::span<const std::int64_t> mcu_us, std::span<const PingBound> exchanges,
+                  std::span<const PingBound> sent, const PortProfile& link) {
   std::vector<std::size_t> place_of_sent;
   std::vector<std::size_t> epoch_of;
   const std::vector<PingBound> bounds = in_order(exchanges, sent, place_of_sent);

@@ -48,18 +48,6 @@ double median_width_s(std::span<const Range> offsets) {
   return widths_s.empty() ? 0.0 : lower_quantile(widths_s, 0.5);
 }
 
-PingBound two_sided(const PingExchange& exchange) {
-  return {.receive_us = exchange.receive_us,
-          .not_before = exchange.not_before,
-          .send_us = exchange.send_us,
-          .not_after = exchange.not_after,
-          .two_sided = true};
-}
-
-PingBound one_sided(const SentStamp& stamp) {
-  return {.send_us = stamp.send_us, .not_after = stamp.not_after};
-}
-
 Range lower_bound(const PingBound& bound, const ClockOrigin& origin) {
   return {origin.offset_s(bound.receive_us, bound.not_before) - stamp_tick_s, unbounded};
 }
@@ -70,11 +58,6 @@ Range upper_bound(const PingBound& bound, const ClockOrigin& origin) {
 
 double wander_of(const PortProfile& link) {
   return std::isfinite(link.wander_ppm) ? std::abs(link.wander_ppm) * 1e-6 : max_rate;
-}
-
-TimeEstimate unknown_time() {
-  const float nothing = std::numeric_limits<float>::infinity();
-  return {.uncertainty_s = nothing, .earlier_s = nothing, .later_s = nothing};
 }
 
 TimeEstimate within(TimeEstimate likely, const TimeEstimate& sure) {

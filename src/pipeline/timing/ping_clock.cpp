@@ -40,10 +40,11 @@ std::string contradiction_reason(double missed_s, const PortProfile& link) {
          "or one of the two clocks jumped, or wanders by more than " + ppm.data() + " ppm within a minute";
 }
 
-PingEpochs::PingEpochs(const PortProfile& link)
+PingClock::PingClock(const PortProfile& link)
     : link_(link), wander_(std::max(wander_of(link), least_wander)) {}
 
-void PingEpochs::feed(const PingBound& bound) {
+void PingClock::feed(const PingBound& bound) {
+  if (bound.two_sided && bound.send_us < bound.receive_us) return;
   if (!current_) {
     epochs_.push_back({bound.not_after, ""});
     first_bounds_.push_back(fed_);
@@ -65,7 +66,7 @@ void PingEpochs::feed(const PingBound& bound) {
 }
 
 /// The clock of the last minute and `bound`, or none where it does not explain them.
-std::optional<PingBounds> PingEpochs::followed(const PingBound& bound, double wander) const {
+std::optional<PingBounds> PingClock::followed(const PingBound& bound, double wander) const {
   PingBounds bounds(recent_.front(), wander);
   for (std::size_t i = 1; i < recent_.size(); ++i) {
     if (bounds.fate(recent_[i]) != PingFate::fits) return std::nullopt;
@@ -77,7 +78,7 @@ std::optional<PingBounds> PingEpochs::followed(const PingBound& bound, double wa
 }
 
 /// Whether a larger wander explains `bound`. If so the clock is followed anew with twice the least that does.
-bool PingEpochs::wanders_more(const PingBound& bound, PingFate fate) {
+bool PingClock::wanders_more(const PingBound& bound, PingFate fate) {
   if (fate == PingFate::went_back || wander_ >= largest_wander) return false;
   if (failed_searches_ >= most_failed_searches) return false;
   if (current_->missed_by_s(bound) > largest_wander * rate_window_s || !followed(bound, largest_wander)) {
@@ -93,19 +94,19 @@ bool PingEpochs::wanders_more(const PingBound& bound, PingFate fate) {
   return true;
 }
 
-void PingEpochs::follow_surely() {
+void PingClock::follow_surely() {
   sure_.emplace(recent_.front(), wander_, RateNow::may_differ);
   for (std::size_t i = 1; i < recent_.size(); ++i) sure_->take(recent_[i]);
 }
 
-void PingEpochs::remember(const PingBound& bound) {
+void PingClock::remember(const PingBound& bound) {
   recent_.push_back(bound);
   while (recent_.size() > most_remembered ||
          seconds_between(recent_.front().send_us, bound.send_us) > rate_window_s)
     recent_.pop_front();
 }
 
-void PingEpochs::trust(const PingBound& bound) {
+void PingClock::trust(const PingBound& bound) {
   current_->take(bound);
   sure_->take(bound);
   remember(bound);
@@ -114,7 +115,7 @@ void PingEpochs::trust(const PingBound& bound) {
   if (rival_ && (bound.two_sided || rival_->fate != PingFate::too_late)) rival_.reset();
 }
 
-void PingEpochs::doubt(const PingBound& bound, PingFate fate) {
+void PingClock::doubt(const PingBound& bound, PingFate fate) {
   if (rival_ && rival_->bounds.fate(bound) == PingFate::fits) {
     rival_->bounds.take(bound);
     rival_->taken.push_back(bound);
@@ -125,7 +126,7 @@ void PingEpochs::doubt(const PingBound& bound, PingFate fate) {
       Rival{PingBounds(bound, wander_), fate, fed_, bound.not_after, reason(bound, fate), {bound}});
 }
 
-void PingEpochs::begin_epoch(Rival&& rival) {
+void PingClock::begin_epoch(Rival&& rival) {
   epochs_.push_back({rival.begin, std::move(rival.reason)});
   first_bounds_.push_back(rival.first);
   current_.emplace(std::move(rival.bounds));
@@ -138,9 +139,9 @@ void PingEpochs::begin_epoch(Rival&& rival) {
 }
 
 /// The answer was back before its wire time allows. Its arrival still is a bound, if a weak one.
-void PingEpochs::impossible(PingBound bound) {
+void PingClock::impossible(PingBound bound) {
   if (++impossible_ == static_cast<int>(agreeing_for_epoch)) {
-    const PingBound arrival{.send_us = bound.send_us, .not_after = bound.not_after};
+    const PingBound arrival = sent_at(bound.send_us, bound.not_after);
     begin_epoch({PingBounds(arrival, wander_),
                  PingFate::faster_than_wire,
                  fed_,
@@ -153,7 +154,7 @@ void PingEpochs::impossible(PingBound bound) {
   ++fed_;
 }
 
-std::string PingEpochs::reason(const PingBound& bound, PingFate fate) const {
+std::string PingClock::reason(const PingBound& bound, PingFate fate) const {
   if (fate == PingFate::went_back)
     return "the micro-controller was reset: its time ran back from " +
            duration_text(1e-6 * static_cast<double>(current_->newest_us())) + " to " +
@@ -177,15 +178,9 @@ TimeEstimate estimate(const PingBounds& bounds, std::int64_t mcu_us) {
 }
 }  // namespace
 
-void PingClock::exchange(const PingExchange& exchange) {
-  if (exchange.send_us < exchange.receive_us) return;  // no answer comes before its question
-  epochs_.feed(two_sided(exchange));
-}
-
 std::optional<TimeEstimate> PingClock::at(std::int64_t mcu_us) const {
-  const PingBounds* likely = epochs_.likely();
-  if (likely == nullptr || !likely->two_sided()) return std::nullopt;
-  return within(estimate(*likely, mcu_us), estimate(*epochs_.sure(), mcu_us));
+  if (!current_ || !current_->two_sided()) return std::nullopt;
+  return within(estimate(*current_, mcu_us), estimate(*sure_, mcu_us));
 }
 
 }  // namespace thermorig::timing

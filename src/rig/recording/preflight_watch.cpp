@@ -10,7 +10,7 @@
 #include "thermorig/core/gyro_blocks.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/labels/exposure.h"
-#include "thermorig/pipeline/timing/own_time.h"
+#include "thermorig/pipeline/timing/device_time.h"
 #include "thermorig/rig/sweep/plan.h"
 #include "thermorig/sensors/gyro_protocol.h"
 

@@ -7,7 +7,7 @@
 
 #include "servo_link.h"
 #include "thermorig/core/error.h"
-#include "thermorig/pipeline/timing/link_timing.h"
+#include "thermorig/core/wire_time.h"
 #include "thermorig/rig/sweep/plan.h"
 #include "thermorig/sensors/camera_protocol.h"
 
@@ -110,11 +110,11 @@ void check_quota(const SweepPlan& plan, const ServoProfile& servo, const CameraP
 
 void check_camera_link(const SweepPlan& plan, const CameraProfile& camera) {
   const std::uint64_t frame_bytes = sensors::camera_protocol(camera.protocol).message_bytes;
-  const auto budget = timing::link_budget(frame_bytes, camera.output_rate_hz, camera.link.baud);
+  const auto budget = link_budget(frame_bytes, camera.output_rate_hz, camera.link.baud);
   if (budget.fits()) return;
   const double most_hz = std::floor(budget.max_rate_hz * 10.0) / 10.0;
-  const double wire_ms = 1e3 * timing::wire_time_s(frame_bytes, camera.link.baud);
-  const auto baud = timing::usual_baud_for(frame_bytes, camera.output_rate_hz);
+  const double wire_ms = 1e3 * wire_time_s(frame_bytes, camera.link.baud);
+  const auto baud = usual_baud_for(frame_bytes, camera.output_rate_hz);
   refuse(
       plan,
       fmt::format(

@@ -74,7 +74,7 @@ struct PingFit {
   std::vector<TimeEstimate> times;
   ClockReport report;
 };
-PingFit fit_pings(std::span<const std::int64_t> mcu_us, std::span<const timing::PingExchange> exchanges,
-                  std::span<const timing::SentStamp> sent, const PortProfile& link);
+PingFit fit_pings(std::span<const std::int64_t> mcu_us, std::span<const timing::PingBound> exchanges,
+                  std::span<const timing::PingBound> sent, const PortProfile& link);
 
 }  // namespace thermorig::fit

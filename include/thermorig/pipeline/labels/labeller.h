@@ -22,80 +22,11 @@ namespace thermorig::labels {
 /// Merges frames, gyro samples and servo telemetry in time order and gives each frame its label, and every
 /// reason not to trust it. Frames leave in the order in which they came, each exactly once.
 ///
-/// Three witnesses speak about a span of time:
-///   commanded  what telemetry says: its speed and angle run straight between messages at their stamped times
-///   model      the shaft as the servo's response makes it follow the pulses (ShaftTrack)
-///   gyro       the samples with begin <= time < end
-/// Over E = [exposure_begin, exposure_end], and over each half's own exposure for the *_half members:
-///   rate_commanded         where the commanded speed is constant over E: CommandTrack::constant_rate_dps;
-///                          else the exact mean of the commanded speed
-///   rate_corrected         rate_commanded times scale and gain of the travel that the model passes in E,
-///                          plus what the gyro saw beyond the model at that speed; rate_commanded where no
-///                          response was fitted
-///   rate_shaft             (model angle at the end of E - that at its begin) / length of E
-///   rate_shaft_min, _max   of the model's running mean over one pulse period (20 ms) in E, and of rate_shaft
-///                          all NaN where E is not covered: no telemetry at or before its begin or at or
-///                          after its end, or more than telemetry_gap_s, by the servo's clock, between two
-///                          messages in it or around it
-///   time                   exposure_end minus a quarter of E: the middle of the newest half
-///   angle_commanded            commanded angle at `time`
-///   rate_gyro, gyro_count  mean of the gyro, bias and scale left as they are
-///   gyro_spread            standard deviation of the gyro's running mean over 20 ms
-///   rate_shaft_uncertainty      one standard deviation, root of the sum of squares of
-///                          time: the largest change of rate_shaft when E is moved by half or all of t, where
-///                          t^2 = clock^2 + latency^2 + delay^2 + telemetry's clock^2, in seconds;
-///                          scale: |rate_shaft| times the response's relative uncertainty;
-///                          model: residual that the response's fit left at that speed, or what is assumed
-///   rate_commanded_uncertainty, rate_corrected_uncertainty   how far either may be from the true speed: its
-///                          distance from the model, with the residual of that speed added to it, and time,
-///                          scale and spread of that residual; NaN where rate_shaft is
-///   angle_measured             by the readings of the shaft around `time` (MeasuredTrack)
-///   rate_measured          (measured angle at the end of E - that at its begin) / length of E; with
-///                          rate_measured_uncertainty, which holds the noise of the readings, by how much the
-///                          shaft strays from an even motion there, what of its errors repeats with each
-///                          turn, and time; NaN where it is not measured, or LabelConfig::by_sensor is false.
-///                          Where it is known, rate_shaft, its halves and its uncertainty are these, the
-///                          uncertainties of the other two hold their distance from it, and gyro_disagrees
-///                          holds the gyro against it
-///   leg                    reported by the last telemetry at or before `time`, with no gap behind it
-///
-/// Reasons, with S = [exposure_begin - settling time, exposure_end] and L = E earlier by the response's delay
-/// and one pulse period, which is how old a command is when the shaft shows it:
-///   camera_gap           TimedFrame::missing_before is not 0, or half_lost: a warning, which ends the run
-///   camera_not_fresh     TimedFrame::stale, but not half_lost
-///   sync_lost            TimedFrame::late, or the frame's clock less certain than clock_limit_s
-///   checksum             TimedFrame::resync_before
-///   out_of_range         a pixel below -60 or above 400 degC, or not a number
-///   warm_up              WarmUp: a warning, unless warm_up_invalidates
-///                        (neither of these two for a frame that stands in for one of a missing camera)
-///   servo_ramp           the model's slow mean (100 ms) leaves rate_commanded by more than tolerance =
-///                        max(rate_tolerance_dps, rate_tolerance_share * |rate_commanded|) within E, both
-///                        with scale and gain and without; or E is not covered
-///   servo_lost           S is not covered (as above), or telemetry in S or next to it says disarmed or fault
-///   telemetry_disagrees  TelemetryCheck objects to a message in S or next to it
-///   limit_hit            the commanded angle comes closer than stop_margin_deg to either end of the
-///                        travel in E; angle 0 is its middle
-///   reversal             the model's slow mean has both signs in E, and leaves rate_tolerance_dps both ways
-///   outside_leg          leg 0 in the telemetry in L or next to it, or no leg known
-///   leg_change           two legs in the telemetry in L or next to it, neither of them 0
-///   gyro_gap             no gyro sample in E, or fewer than gyro_gap_share of what gyro_rate_hz gives in E,
-///   or
-///                        one that would lie in E never came (lacks_sample(), where a first pass found gaps)
-///   gyro_unsteady        gyro_spread exceeds the tolerance beyond what noise explains, that of gears
-///   included
-///                        squared: a warning, and how far each label is from the corrected gyro's mean is
-///                        part of its uncertainty; not judged where a sample is saturated
-///   gyro_disagrees       |mean gyro, corrected - rate_shaft as the gyro sees it| exceeds 3 standard
-///                        deviations (see label_terms.h), gyro_spread of an unsteady one among them; not
-///                        judged where a sample is saturated; or the shaft was seen not to reach the
-///                        commanded speed (ServoResponse::AtSpeed)
-/// Without a servo (LabelConfig::by_gyro) there is one witness. rate_shaft is the gyro's mean over E, less
-/// its bias at `time`, over its scale; rate_shaft_min and _max of its running mean over 20 ms; of commanded
-/// speeds nothing is known. rate_shaft_uncertainty holds bias, scale, noise and time. Of the reasons only
-/// those of the frame itself are there, and
-///   no_bias              no rest tells the bias; nothing has a label then
-///   gyro_gap             as above, or a sample is saturated
-///   reversal             the running mean leaves rate_tolerance_dps both ways
+/// Three witnesses speak about an exposure: telemetry says what was commanded (CommandTrack), the servo's
+/// response how the shaft followed the pulses (ShaftTrack), the gyro how it turned (GyroTrack); where a
+/// sensor on the shaft is believed, MeasuredTrack says what the shaft did. Without a servo
+/// (LabelConfig::by_gyro) there is the gyro alone. What each column is and each reason rests on:
+/// docs/recording_format.md, "Labels" and "Validity".
 ///
 /// A frame is valid if it has no reason outside `warning_bits`. A run is unbroken by invalid frames and lies
 /// in one leg; a frame or a half lost on the way ends it.

@@ -12,19 +12,20 @@
 
 namespace thermorig::timing {
 
-/// One answered ping: bounds from both sides. Wire times are taken off already, as short as they can be.
-struct PingExchange {
+/// One answered ping: bounds from both sides. Wire times are taken off already, as short as they can be. Or
+/// one message whose sending time the micro-controller stamped (telemetry): a bound from above alone,
+/// sent_at().
+struct PingBound {
   std::int64_t receive_us = 0;  // micro-controller, unwrapped: the ping's last byte was in
   HostTime not_before{};  // receive_us is not before it: host time before write(), plus the ping's wire time
   std::int64_t send_us = 0;  // the answer's first byte was handed to the transmitter
   HostTime not_after{};      // send_us is not after it: the answer's arrival minus its wire time
+  bool two_sided = true;     // else the first two are of no meaning
 };
 
-/// One message whose sending time the micro-controller stamped (telemetry): a bound from above alone.
-struct SentStamp {
-  std::int64_t send_us = 0;
-  HostTime not_after{};
-};
+inline PingBound sent_at(std::int64_t send_us, HostTime not_after) {
+  return {.send_us = send_us, .not_after = not_after, .two_sided = false};
+}
 
 // A clock is written as the offset d(m), host time minus micro-controller time in seconds, over
 // micro-controller time m. What is assumed of it, and all that the bounds rest on:
@@ -95,27 +96,12 @@ Range rate_aside(const Range& mean, double aside_s, double drift, double unseen_
 /// Median width of those offsets that are bounded from both sides; 0 where none is.
 double median_width_s(std::span<const Range> offsets);
 
-/// What one exchange or stamp says.
-struct PingBound {
-  std::int64_t receive_us = 0;  // only of an exchange
-  HostTime not_before{};
-  std::int64_t send_us = 0;
-  HostTime not_after{};
-  bool two_sided = false;
-};
-
-PingBound two_sided(const PingExchange& exchange);
-PingBound one_sided(const SentStamp& stamp);
-
 /// What a bound says of the offset: of its ping's arrival, and of its answer's sending.
 Range lower_bound(const PingBound& bound, const ClockOrigin& origin);
 Range upper_bound(const PingBound& bound, const ClockOrigin& origin);
 
 /// PortProfile::wander_ppm as a share, whatever was configured.
 double wander_of(const PortProfile& link);
-
-/// An estimate that says nothing.
-TimeEstimate unknown_time();
 
 /// The likely time, within the bounds that are sure.
 TimeEstimate within(TimeEstimate likely, const TimeEstimate& sure);
