@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pieces.h"
 
-#include "thermorig/pipeline/replay.h"
+#include "thermorig/core/replay.h"
 
 namespace thermorig::fit {
 
@@ -14,7 +14,7 @@ std::vector<std::uint64_t> break_offsets(const RawRecording& raw, Device device)
   const RawStream& stream = raw.received[device];
   std::vector<std::uint64_t> offsets;
   std::size_t chunk = 0;
-  for (const pipeline::Interruption& interruption : pipeline::interruptions(raw)) {
+  for (const Interruption& interruption : interruptions(raw)) {
     if (interruption.device != device) continue;
     while (chunk < stream.chunk_count() && stream.time(chunk) <= interruption.time) ++chunk;
     if (chunk == 0 || chunk == stream.chunk_count()) continue;

@@ -61,7 +61,7 @@ RawRecording recording() {
 
 pipeline::Streams messages_of(const RawRecording& raw) {
   pipeline::Pipeline first_pass(raw.header.profile, {}, true);
-  pipeline::Replay replay(raw);
+  Replay replay(raw);
   while (const auto step = replay.next()) pipeline::feed(first_pass, *step);
   first_pass.finish();
   return first_pass.take_streams();
@@ -70,7 +70,7 @@ pipeline::Streams messages_of(const RawRecording& raw) {
 std::vector<Measurement> measurements_of(const RawRecording& raw) {
   std::vector<Measurement> measurements;
   pipeline::Pipeline pipeline(raw.header.profile);
-  pipeline::Replay replay(raw);
+  Replay replay(raw);
   const auto take = [&](std::vector<Measurement> more) {
     for (Measurement& measurement : more) measurements.push_back(std::move(measurement));
   };

@@ -47,7 +47,7 @@ class LiveChain {
       : LiveChain(profile, estimators::Bank({}, reference_model(), profile)) {}
 
   /// How many frames the step completed.
-  std::size_t feed(const pipeline::ReplayStep& step) {
+  std::size_t feed(const ReplayStep& step) {
     const std::vector<Measurement> measurements = pipeline::feed(pipeline_, step);
     const pipeline::Streams streams = pipeline_.take_streams();
     frames_ += streams.frames.size();
@@ -122,7 +122,7 @@ void add_fast_run(Figures& figures, double duration_s) {
   const RawRecording& raw = recorded.raw;
   LiveChain chain(raw.header.profile);
   Latencies latencies;
-  pipeline::Replay replay(raw);
+  Replay replay(raw);
   const double before_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
   while (const auto step = replay.next()) {
     const double wall_s = seconds_of(CLOCK_MONOTONIC), thread_s = seconds_of(CLOCK_THREAD_CPUTIME_ID);

@@ -103,7 +103,7 @@ BENCHMARK(BytesToLabelledSamples)->Unit(benchmark::kMillisecond)->MeasureProcess
 pipeline::Streams causal_streams(const RawRecording& raw) {
   pipeline::Pipeline first_pass(raw.header.profile, {}, true);
   first_pass.expect(byte_counts(raw));
-  pipeline::Replay replay(raw);
+  Replay replay(raw);
   while (const auto step = replay.next()) pipeline::feed(first_pass, *step);
   first_pass.finish();
   return first_pass.take_streams();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/pipeline/labels/servo_loop.h"
+#include "thermorig/pipeline/labels/servo_model.h"
 
 #include <gtest/gtest.h>
 

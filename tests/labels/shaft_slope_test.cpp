@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/pipeline/labels/shaft_slope.h"
+#include "thermorig/pipeline/labels/servo_model.h"
 
 #include <gtest/gtest.h>
 

@@ -43,7 +43,7 @@ TEST(AReplay, TellsTheLastFramesAtTheEndOfTheRecording) {
 
 TEST(AReplay, WalksWhatCameAndWhatWasSentInOrderOfTime) {
   const RawRecording raw = recording_of(two_legs());
-  pipeline::Replay replay(raw);
+  Replay replay(raw);
   HostTime last{};
   PerDevice<std::size_t> bytes{};
   std::size_t sent = 0;
@@ -65,7 +65,7 @@ TEST(AReplay, SaysToWhichDeviceBytesWent) {
   raw.sent[Device::camera].append(byte, host_time_ns(30));
   raw.sent[Device::gyro].append(byte, host_time_ns(40));
   raw.received[Device::camera].append(byte, host_time_ns(30));
-  pipeline::Replay replay(raw);
+  Replay replay(raw);
   std::vector<std::optional<Device>> to;
   while (const auto step = replay.next()) to.push_back(step->to);
   EXPECT_EQ(to, (std::vector<std::optional<Device>>{Device::servo, Device::gyro, Device::camera,

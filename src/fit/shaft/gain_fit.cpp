@@ -13,7 +13,7 @@
 #include "ripple_search.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/labels/pulse_train.h"
-#include "thermorig/pipeline/labels/shaft_slope.h"
+#include "thermorig/pipeline/labels/servo_model.h"
 
 namespace thermorig::fit {
 

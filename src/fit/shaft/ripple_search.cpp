@@ -11,7 +11,7 @@
 #include "reached_speeds.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/labels/pulse_train.h"
-#include "thermorig/pipeline/labels/shaft_slope.h"
+#include "thermorig/pipeline/labels/servo_model.h"
 
 namespace thermorig::fit {
 

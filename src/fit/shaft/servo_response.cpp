@@ -18,7 +18,7 @@
 #include "thermorig/pipeline/labels/gyro_track.h"
 #include "thermorig/pipeline/labels/label_config.h"
 #include "thermorig/pipeline/labels/pulse_train.h"
-#include "thermorig/pipeline/labels/servo_loop.h"
+#include "thermorig/pipeline/labels/servo_model.h"
 #include "thermorig/pipeline/labels/shaft_track.h"
 
 namespace thermorig::fit {

@@ -8,7 +8,7 @@
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
 #include "thermorig/pipeline/labels/pulse_train.h"
-#include "thermorig/pipeline/labels/servo_loop.h"
+#include "thermorig/pipeline/labels/servo_model.h"
 
 namespace thermorig::fit {
 

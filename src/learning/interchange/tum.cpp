@@ -13,7 +13,7 @@
 #include "thermorig/core/validity.h"
 #include "thermorig/learning/dataset/run_estimators.h"
 #include "thermorig/pipeline/labels/label_config.h"
-#include "thermorig/pipeline/labels/servo_loop.h"
+#include "thermorig/pipeline/labels/servo_model.h"
 #include "thermorig/pipeline/labels/shaft_track.h"
 
 namespace thermorig::interchange {

@@ -21,30 +21,20 @@ constexpr std::size_t least_pulses = 5;
 }  // namespace
 
 CommandTrack::CommandTrack(const PulseScale& scale, HostDuration gap, HostDuration length)
-    : scale_(scale), gap_(gap), train_(scale, gap), check_(scale), points_(length), pulses_(length) {}
+    : scale_(scale), gap_(gap), check_(scale), points_(length), pulses_(length) {}
 
-void CommandTrack::add(const TimedServo& servo) {
-  train_.add(servo, new_pulses_);
-  for (const Pulse& pulse : new_pulses_) pulses_.add({pulse.end, pulse.start_us, pulse.value});
-  new_pulses_.clear();
+void CommandTrack::add(const TimedServo& servo, std::span<const Pulse> pulses) {
+  for (const Pulse& pulse : pulses) pulses_.add({pulse.end, pulse.start_us, pulse.value});
   constant_.reset();
-  Point point{.time = servo.stamp.time,
-              .mcu_time_us = servo.mcu_time_us,
-              .rate_dps = servo.state.rate_dps,
-              .angle_deg = servo.state.angle_deg,
-              .uncertainty_s = servo.stamp.uncertainty_s,
-              .leg = servo.state.leg,
-              .able = is_able(servo.state),
-              .resting = is_at_rest(servo.state),
-              .disagrees = check_.disagrees(servo)};
-  point.alike = alike_before(point);
-  points_.add(point);
-}
-
-std::uint32_t CommandTrack::alike_before(const Point& point) const {
-  const auto points = points_.all();
-  if (points.empty() || is_gap(points.back(), point) || points.back().rate_dps != point.rate_dps) return 0;
-  return points.back().alike + 1;
+  points_.add({.time = servo.stamp.time,
+               .mcu_time_us = servo.mcu_time_us,
+               .rate_dps = servo.state.rate_dps,
+               .angle_deg = servo.state.angle_deg,
+               .uncertainty_s = servo.stamp.uncertainty_s,
+               .leg = servo.state.leg,
+               .able = is_able(servo.state),
+               .resting = is_at_rest(servo.state),
+               .disagrees = check_.disagrees(servo)});
 }
 
 /// From the last point at or before `begin` to the first at or after `end`, as far as there are any; the
@@ -131,27 +121,14 @@ double CommandTrack::farthest_deg(HostTime begin, HostTime end) const {
   return farthest;
 }
 
-/// The first of the points alike that lead up to `point` and are all later than `earliest_us`.
-const CommandTrack::Point* CommandTrack::begin_of_alike(const Point* point, std::int64_t earliest_us) const {
-  const std::ptrdiff_t known = point - points_.all().data();
-  const Point* const begin = point - std::min<std::ptrdiff_t>(point->alike, known);
-  const auto late = std::find_if(std::make_reverse_iterator(point), std::make_reverse_iterator(begin),
-                                 [=](const Point& before) { return before.mcu_time_us <= earliest_us; });
-  return late.base();
-}
-
 /// How far back the speed of a point is that of the ones before it.
 std::int64_t CommandTrack::constant_begin_us(const Point& last) const {
   const Point* point = &last;
-  const Point* const first = points_.all().data();
   const std::int64_t earliest_us = last.mcu_time_us - longest_constant_us;
-  while (true) {
-    point = begin_of_alike(point, earliest_us);
-    if (point == first || is_gap(point[-1], *point) || point[-1].mcu_time_us <= earliest_us ||
-        !(std::abs(point[-1].rate_dps - last.rate_dps) <= constant_dps))
-      return point->mcu_time_us;
+  while (point != points_.all().data() && point[-1].mcu_time_us > earliest_us && !is_gap(point[-1], *point) &&
+         std::abs(point[-1].rate_dps - last.rate_dps) <= constant_dps)
     --point;
-  }
+  return point->mcu_time_us;
 }
 
 /// Of the pulses that start in the span.

@@ -11,7 +11,7 @@
 #include "thermorig/pipeline/labels/gyro_track.h"
 #include "thermorig/pipeline/labels/label_config.h"
 #include "thermorig/pipeline/labels/pulse_train.h"
-#include "thermorig/pipeline/labels/servo_loop.h"
+#include "thermorig/pipeline/labels/servo_model.h"
 
 namespace thermorig::labels {
 
@@ -210,8 +210,7 @@ void Labeller::add(const TimedFrame& frame) {
 }
 
 void Labeller::add(const TimedServo& servo) {
-  command_.add(servo);
-  shaft_.add(servo);
+  command_.add(servo, shaft_.add(servo));
 }
 
 bool Labeller::has_all_until(HostTime end) const {

@@ -24,12 +24,15 @@ ShaftTrack::ShaftTrack(const ServoProfile& servo, const ServoResponse& response,
       loop_(scale_.continuous(), response.loop_hz, response.dead_band_deg),
       points_(length) {}
 
-void ShaftTrack::add(const TimedServo& servo) {
-  train_.add(servo, pulses_);
+std::span<const Pulse> ShaftTrack::add(const TimedServo& servo) {
+  new_pulses_.clear();
+  train_.add(servo, new_pulses_);
+  pulses_.insert(pulses_.end(), new_pulses_.begin(), new_pulses_.end());
   auto ended = pulses_.begin();
   for (; ended != pulses_.end() && ended->end <= servo.stamp.time; ++ended) take(*ended);
   pulses_.erase(pulses_.begin(), ended);
   if (started_) advance(servo.stamp.time);
+  return new_pulses_;
 }
 
 void ShaftTrack::take(const Pulse& pulse) {

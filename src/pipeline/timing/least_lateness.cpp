@@ -25,6 +25,11 @@ constexpr double even_spread_s = 0.65e-3;
 constexpr double short_hold_s = 1.5 * usb_frame_s;
 constexpr double short_hold_share = 0.1;
 
+constexpr double fewest_chunks_due = 20.0;
+constexpr double fewest_cut_share = 0.1;  // of those that are due if the link cuts anywhere
+// An assumption: adaptors without a timer that can be set answer within a few USB frames.
+constexpr double longest_wait_s = 0.003;
+
 /// Inequalities of one block between knots.
 struct BlockLateness {
   double least_s = std::numeric_limits<double>::infinity();
@@ -37,7 +42,7 @@ class Lateness {
       : reads_(reads), step_s_(step_s), knots_(knots), window_s_(window_s) {
     for (const MessageReads& message : reads.messages) cuts_ += message.cuts;
     by_cuts_ = cuts_ >= fewest_cuts && 50 * cuts_ >= reads.latest.size();
-    silence_s_ = by_cuts_ ? 0.0 : silence();
+    silence_s_ = by_cuts_ ? 0.0 : longest_silence_s();
   }
 
   LeastLateness run(std::size_t first_knot) {
@@ -53,14 +58,16 @@ class Lateness {
   }
 
  private:
-  double silence() const {
-    std::vector<double> wire_s;
+  /// 0 where the link does not wait for a silence.
+  double longest_silence_s() const {
+    std::vector<double> wires_s;
     for (const LatestBegin& begin : reads_.latest)
-      if (!begin.inside) wire_s.push_back(begin.wire_s);
-    return longest_silence_s({.step_s = step_s_,
-                              .message_s = lower_quantile(wire_s, 0.5),
-                              .chunks = reads_.latest.size(),
-                              .cuts = cuts_});
+      if (!begin.inside) wires_s.push_back(begin.wire_s);
+    const double wire_s = lower_quantile(wires_s, 0.5);
+    if (step_s_ <= 0.0 || wire_s <= 0.0) return 0.0;
+    const double due = std::min(1.0, wire_s / step_s_) * static_cast<double>(reads_.latest.size());
+    if (due < fewest_chunks_due || static_cast<double>(cuts_) > fewest_cut_share * due) return 0.0;
+    return std::clamp(step_s_ - wire_s, 0.0, longest_wait_s);
   }
 
   std::size_t block_of(double x, std::size_t block) const {
@@ -222,20 +229,6 @@ MessageReads message_reads(std::span<const LatestBegin> reads) {
 LeastLateness least_lateness(const Reads& reads, double step_s, std::span<const CurveRise> knots,
                              double window_s, std::size_t first_knot) {
   return Lateness(reads, step_s, knots, window_s).run(first_knot);
-}
-
-namespace {
-constexpr double fewest_chunks_due = 20.0;
-constexpr double fewest_cut_share = 0.1;  // of those that are due if the link cuts anywhere
-// An assumption: adaptors without a timer that can be set answer within a few USB frames.
-constexpr double longest_wait_s = 0.003;
-}  // namespace
-
-double longest_silence_s(const LineUse& use) {
-  if (use.step_s <= 0.0 || use.message_s <= 0.0) return 0.0;
-  const double due = std::min(1.0, use.message_s / use.step_s) * static_cast<double>(use.chunks);
-  if (due < fewest_chunks_due || static_cast<double>(use.cuts) > fewest_cut_share * due) return 0.0;
-  return std::clamp(use.step_s - use.message_s, 0.0, longest_wait_s);
 }
 
 }  // namespace thermorig::timing

@@ -38,7 +38,7 @@ Decoded decode(const RawRecording& raw, const pipeline::Fits& fits, bool without
   const auto keep = [&](const std::vector<Measurement>& measurements) {
     for (const Measurement& measurement : measurements) decoded.samples.push_back(measurement.sample);
   };
-  pipeline::Replay replay(raw);
+  Replay replay(raw);
   while (const auto step = replay.next()) keep(pipeline::feed(pipeline, *step));
   keep(pipeline.finish());
   decoded.streams = pipeline.take_streams();

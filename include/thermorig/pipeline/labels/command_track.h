@@ -33,7 +33,8 @@ class CommandTrack {
   /// is none. Messages older than `length` are forgotten.
   CommandTrack(const PulseScale& scale, HostDuration gap, HostDuration length);
 
-  void add(const TimedServo& servo);
+  /// `pulses`: those that the message tells of (PulseTrain).
+  void add(const TimedServo& servo, std::span<const Pulse> pulses);
 
   /// True if telemetry at or after `time` has come.
   bool reaches(HostTime time) const { return points_.reaches(time); }
@@ -70,7 +71,6 @@ class CommandTrack {
     double angle_deg = 0.0;
     float uncertainty_s = 0.0F;
     std::uint16_t leg = 0;
-    std::uint32_t alike = 0;  // points before it without a gap, all at its speed
     bool able = true;
     bool resting = true;
     bool disagrees = false;
@@ -94,16 +94,12 @@ class CommandTrack {
   bool covers(std::span<const Point> points, HostTime begin, HostTime end) const;
   Motion at(HostTime time) const;
 
-  std::uint32_t alike_before(const Point& point) const;
-  const Point* begin_of_alike(const Point* point, std::int64_t earliest_us) const;
   std::int64_t constant_begin_us(const Point& last) const;
   std::optional<double> pulse_rate_dps(std::int64_t begin_us, std::int64_t end_us) const;
 
   PulseScale scale_;
   HostDuration gap_;
-  PulseTrain train_;
   TelemetryCheck check_;
-  std::vector<Pulse> new_pulses_;  // empty between calls; kept for its memory
   History<Point> points_;
   History<Commanded> pulses_;
   mutable std::optional<Constant> constant_;  // as asked for last: a frame and its newer half end together

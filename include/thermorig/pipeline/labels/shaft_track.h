@@ -10,8 +10,7 @@
 #include "thermorig/core/time.h"
 #include "thermorig/pipeline/labels/history.h"
 #include "thermorig/pipeline/labels/pulse_train.h"
-#include "thermorig/pipeline/labels/servo_loop.h"
-#include "thermorig/pipeline/labels/shaft_slope.h"
+#include "thermorig/pipeline/labels/servo_model.h"
 
 namespace thermorig::labels {
 
@@ -51,7 +50,8 @@ class ShaftTrack {
   /// `gap`: see PulseTrain. Older than `length` is forgotten.
   ShaftTrack(const ServoProfile& servo, const ServoResponse& response, HostDuration gap, HostDuration length);
 
-  void add(const TimedServo& servo);
+  /// Returns the pulses that the message tells of, until the next call.
+  std::span<const Pulse> add(const TimedServo& servo);
 
   /// True if the shaft is known up to `time`.
   bool reaches(HostTime time) const { return points_.reaches(time); }
@@ -92,9 +92,9 @@ class ShaftTrack {
   HostDuration delay_;
   PulseTrain train_;
   ServoLoop loop_;
-  std::vector<Pulse> pulses_;  // that have not ended yet
-  double value_ = 0.0;         // commanded now
-  HostTime now_{};             // of the loop, delay not in it
+  std::vector<Pulse> new_pulses_, pulses_;  // of the newest message; those that have not ended yet
+  double value_ = 0.0;                      // commanded now
+  HostTime now_{};                          // of the loop, delay not in it
   double last_angle_deg_ = 0.0;
   double scaled_deg_ = 0.0;
   bool started_ = false;

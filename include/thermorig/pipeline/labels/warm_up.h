@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
+#include "thermorig/core/statistics.h"
 #include "thermorig/core/time.h"
 #include "thermorig/pipeline/labels/history.h"
 
@@ -14,7 +18,20 @@ class WarmUp {
 
   /// True while Ta changes faster than the limit; false until 5 s of frames have come. Not a number is left
   /// out.
-  bool push(HostTime time, float sensor_temp_c);
+  bool push(HostTime time, float sensor_temp_c) {
+    if (!std::isfinite(sensor_temp_c)) return false;
+    const auto temp_c = static_cast<double>(sensor_temp_c);
+    if (!points_.all().empty() && time - points_.newest().time < together)
+      points_.newest().add(std::max(0.0, to_s(time - points_.newest().time)), temp_c);
+    else
+      points_.add({.time = time, .temp_c = temp_c});
+    const auto points = points_.all();
+    if (points.back().time - points.front().time < least_length) return false;
+    LineFit line;
+    for (const Point& point : points)
+      line.add(to_s(point.time - points.front().time) + point.after_s, point.temp_c, point.count);
+    return std::abs(line.slope()) * 60.0 > limit_k_per_min_;
+  }
 
  private:
   static constexpr HostDuration length = std::chrono::seconds(30);
@@ -26,9 +43,12 @@ class WarmUp {
     double after_s = 0.0;  // time since the first
     double temp_c = 0.0;
 
-    void add(double frame_after_s, double frame_temp_c);
+    void add(double frame_after_s, double frame_temp_c) {
+      count += 1.0;
+      after_s += (frame_after_s - after_s) / count;
+      temp_c += (frame_temp_c - temp_c) / count;
+    }
   };
-  double slope_k_per_s() const;
 
   double limit_k_per_min_;
   History<Point> points_;
