@@ -213,16 +213,15 @@ nlohmann::json image_message(const LiveFrame& frame, HostTime begin, bool mirror
           {"pixels", base64(bytes)}};
 }
 
-nlohmann::json surroundings_message(const estimators::Surroundings& surroundings, std::string_view estimator,
-                                    double time_s, double view_deg) {
+nlohmann::json surroundings_message(std::span<const float> image_c, double time_s, double view_deg) {
   std::vector<std::uint8_t> bytes;
-  bytes.reserve(2 * surroundings.image_c.size());
-  for (const float temp_c : surroundings.image_c) append_hundredths(bytes, temp_c);
+  bytes.reserve(2 * image_c.size());
+  for (const float temp_c : image_c) append_hundredths(bytes, temp_c);
   return {{"event", "surroundings"},
-          {"estimator", estimator},
+          {"estimator", "odometer"},
           {"time_s", time_s},
           {"view_deg", number_json(view_deg)},
-          {"columns", surroundings.image_c.size() / frame_rows},
+          {"columns", image_c.size() / frame_rows},
           {"pixels", base64(bytes)}};
 }
 

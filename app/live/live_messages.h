@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,9 +61,8 @@ nlohmann::json hello_message(const LiveFacts& facts);
 nlohmann::json state_message(const rig::RecordingProgress& progress, const LiveFacts& facts,
                              std::optional<std::uint64_t> disk_free_bytes);
 nlohmann::json frame_message(const LiveFrame& frame, HostTime begin);
-/// `estimator`: whose they are. `view_deg`: of the camera, across its columns.
-nlohmann::json surroundings_message(const estimators::Surroundings& surroundings, std::string_view estimator,
-                                    double time_s, double view_deg);
+/// `image_c`: Odometer::map_image_c(). `view_deg`: of the camera, across its columns.
+nlohmann::json surroundings_message(std::span<const float> image_c, double time_s, double view_deg);
 nlohmann::json image_message(const LiveFrame& frame, HostTime begin, bool mirrored);
 nlohmann::json event_message(const RecordingEvent& event, HostTime begin);
 nlohmann::json ended_message(const LiveEnd& end);

@@ -89,18 +89,16 @@ EstimateRow LiveRun::observe(const Measurement& measurement, HostTime arrived) {
   return row;
 }
 
-/// Those of the first estimator that has any. They change slowly.
+/// They change slowly.
 void LiveRun::publish_surroundings() {
   if (!wanted(web::Topic::surroundings)) return;
   if (surroundings_shown_ && now_ - *surroundings_shown_ < surroundings_period) return;
   surroundings_shown_ = now_;
-  for (std::size_t place = 0; place < columns_.size(); ++place)
-    if (const auto seen = estimates_.bank().surroundings(place)) {
-      const double view_deg = facts_.header.profile.camera.lens_width_deg();
-      const double time_s = to_s(now_ - begin_);
-      return publish(web::Topic::surroundings,
-                     surroundings_message(*seen, columns_[place].name, time_s, view_deg));
-    }
+  const odometer::Odometer* odometer = estimates_.bank().odometer();
+  const std::vector<float> image_c = odometer != nullptr ? odometer->map_image_c() : std::vector<float>();
+  if (image_c.empty()) return;
+  publish(web::Topic::surroundings,
+          surroundings_message(image_c, to_s(now_ - begin_), facts_.header.profile.camera.lens_width_deg()));
 }
 
 void LiveRun::warn_of_scene(const ThermalFrame& frame) {
@@ -142,22 +140,24 @@ void LiveRun::warn_of_ignored() {
 }
 
 void LiveRun::tell_of_map() {
-  if (map_ == nullptr) return;
-  if (auto news = map_->news(estimates_.bank().map_use()))
+  const odometer::Odometer* odometer = estimates_.bank().odometer();
+  if (map_ == nullptr || odometer == nullptr) return;
+  if (auto news = map_->news(odometer->map_use()))
     orders_.push_back({rig::OrderKind::info, *std::move(news)});
 }
 
 /// When a start has compared them; a start after a lost one tells anew.
 void LiveRun::tell_of_rows() {
-  const std::optional<odometer::FoundRows> rows = estimates_.bank().rows();
-  if (!rows || rows == rows_told_) return;
-  rows_told_ = rows;
-  orders_.push_back({rig::OrderKind::info, rows_text(*rows)});
+  const odometer::Odometer* odometer = estimates_.bank().odometer();
+  if (odometer == nullptr || !(odometer->rows().margin > 0.0) || odometer->rows() == rows_told_) return;
+  rows_told_ = odometer->rows();
+  orders_.push_back({rig::OrderKind::info, rows_text(*rows_told_)});
 }
 
 void LiveRun::write_map(const std::filesystem::path& session) {
-  if (map_ == nullptr) return;
-  const auto told = map_->write(estimates_.bank().map(), estimates_.bank().map_use(), facts_.header, session);
+  const odometer::Odometer* odometer = estimates_.bank().odometer();
+  if (map_ == nullptr || odometer == nullptr) return;
+  const auto told = map_->write(odometer->map(), odometer->map_use(), facts_.header, session);
   if (told) tell({now_, EventKind::info, std::nullopt, *told});
 }
 

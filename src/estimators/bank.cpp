@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "entries.h"
 #include "network_estimators.h"
 #include "observer.h"
 #include "thermorig/core/error.h"
@@ -16,19 +17,9 @@ namespace thermorig::estimators {
 namespace {
 
 void require_runnable(const Entry& entry, const std::optional<model::Model>& model) {
-  if (entry.needs_network && !model)
-    throw Error(ExitCode::bad_usage, fmt::format("the estimator \"{}\" needs a network", entry.name),
-                "the estimator", "--model FILE");
-  if (entry.needs_fusion && !model->weights.shape.fusion)
-    throw Error(
-        ExitCode::bad_usage,
-        fmt::format("the estimator \"{}\" needs a network with fusion, and the model has none", entry.name),
-        "the estimator", "a model that was trained with fusion, or \"cnn-thermal\"");
-  if (entry.needs_sigma && !model->scaling.gate_states_sigma)
-    throw Error(
-        ExitCode::bad_usage,
-        fmt::format("the estimator \"{}\" needs a network that says how sure its images are", entry.name),
-        "the estimator", "a model of preset best with fusion, or \"cnn-fusion\"");
+  if (const auto lack = lack_of(entry, model))
+    throw Error(ExitCode::bad_usage, fmt::format("the estimator \"{}\" needs {}", entry.name, lack->needs),
+                "the estimator", lack->advice);
 }
 
 void require_each_once(const std::vector<std::string>& names) {
@@ -49,8 +40,6 @@ struct Bank::Parts {
   std::vector<std::unique_ptr<Estimator>> estimators;
   std::vector<RateEstimate> estimates;
   Observer observer;
-
-  const Estimator* keeper() const;  // of a map; null: none
 };
 
 Bank::Bank(std::span<const std::string> names, const std::optional<model::Model>& model,
@@ -102,29 +91,10 @@ std::uint64_t Bank::ignored() const {
   return parts_->observer.ignored();
 }
 
-const Estimator* Bank::Parts::keeper() const {
-  for (std::size_t i = 0; i < entries.size(); ++i)
-    if (entries[i]->keeps_map) return estimators[i].get();
+const odometer::Odometer* Bank::odometer() const {
+  for (const auto& estimator : parts_->estimators)
+    if (const odometer::Odometer* one = estimator->odometer()) return one;
   return nullptr;
-}
-
-std::optional<odometer::Map> Bank::map() const {
-  const Estimator* keeper = parts_->keeper();
-  return keeper != nullptr ? keeper->map() : std::nullopt;
-}
-
-odometer::MapUse Bank::map_use() const {
-  const Estimator* keeper = parts_->keeper();
-  return keeper != nullptr ? keeper->map_use() : odometer::MapUse::none;
-}
-
-std::optional<odometer::FoundRows> Bank::rows() const {
-  const Estimator* keeper = parts_->keeper();
-  return keeper != nullptr ? keeper->rows() : std::nullopt;
-}
-
-std::optional<Surroundings> Bank::surroundings(std::size_t place) const {
-  return parts_->estimators[place]->surroundings();
 }
 
 }  // namespace thermorig::estimators

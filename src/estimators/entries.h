@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 
 #include "thermorig/estimators/table.h"
 #include "thermorig/network/last_blocks.h"
@@ -15,6 +16,12 @@ template <typename Made>
 std::unique_ptr<Estimator> made(const Setup& setup) {
   return std::make_unique<Made>(setup);
 }
+
+/// Why an entry cannot run with a model, or without one.
+struct Lack {
+  const char *needs, *advice;
+};
+std::optional<Lack> lack_of(const Entry& entry, const std::optional<model::Model>& model);
 
 /// Rates of the last frames, and their mean: unknown (NaN) before there were so many, and where one is.
 class WindowRates {

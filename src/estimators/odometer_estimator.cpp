@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "entries.h"
 
@@ -23,34 +22,21 @@ class OdometerEstimator : public Estimator {
     const odometer::Report report = odometer_.add(observation.frame, observation.gyro);
     RateEstimate estimate;
     estimate.rate_dps = rates_.add(static_cast<float>(report.rate_dps));
-    estimate.rate_sigma_dps =
-        sigmas_.add(static_cast<float>(report.rate_sigma_dps));  // most is common to all
+    estimate.rate_sigma_dps = sigmas_.add(static_cast<float>(report.rate_sigma_dps));  // mostly common
     estimate.angle_deg = report.heading_deg;
     estimate.angle_sigma_deg = static_cast<float>(report.heading_sigma_deg);
     estimate.reason = report.reason;
     estimate.state = std::isfinite(estimate.rate_dps) ? report.state : EstimateState::absent;
-    rows_ = {report.rows, report.row_margin};
     estimate.values = {static_cast<float>(report.bias_dps), static_cast<float>(report.scale),
                        static_cast<float>(report.latency_s), static_cast<float>(report.mean_nis)};
     return estimate;
   }
 
-  std::optional<Surroundings> surroundings() const override {
-    std::vector<float> image_c = odometer_.map_image_c();
-    if (image_c.empty()) return std::nullopt;
-    return Surroundings{std::move(image_c)};
-  }
-
-  std::optional<odometer::Map> map() const override { return odometer_.map(); }
-  odometer::MapUse map_use() const override { return odometer_.map_use(); }
-  std::optional<odometer::FoundRows> rows() const override {
-    return rows_.margin > 0.0 ? std::optional(rows_) : std::nullopt;
-  }
+  const odometer::Odometer* odometer() const override { return &odometer_; }
 
  private:
   odometer::Odometer odometer_;
   WindowRates rates_, sigmas_;
-  odometer::FoundRows rows_;  // a margin of 0: not compared yet
 };
 
 }  // namespace

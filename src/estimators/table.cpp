@@ -34,13 +34,21 @@ const Entry& entry(std::string_view name) {
               advice_on_name(name, names()));
 }
 
+std::optional<Lack> lack_of(const Entry& entry, const std::optional<model::Model>& model) {
+  if (entry.needs_network && !model) return Lack{"a network", "--model FILE"};
+  if (entry.needs_fusion && !model->weights.shape.fusion)
+    return Lack{"a network with fusion, and the model has none",
+                "a model that was trained with fusion, or \"cnn-thermal\""};
+  if (entry.needs_sigma && !model->scaling.gate_states_sigma)
+    return Lack{"a network that says how sure its images are",
+                "a model of preset best with fusion, or \"cnn-fusion\""};
+  return std::nullopt;
+}
+
 std::vector<std::string> names_for(const std::optional<model::Model>& model) {
   std::vector<std::string> names;
   for (const Entry& entry : all_entries()) {
-    const bool has_network = model || !entry.needs_network;
-    const bool has_fusion = !entry.needs_fusion || (model && model->weights.shape.fusion);
-    const bool has_sigma = !entry.needs_sigma || (model && model->scaling.gate_states_sigma);
-    if (has_network && has_fusion && has_sigma) names.emplace_back(entry.name);
+    if (!lack_of(entry, model)) names.emplace_back(entry.name);
   }
   return names;
 }

@@ -62,8 +62,8 @@ std::vector<WindowBounds::Seen> WindowBounds::with_headings() const {
 
 std::vector<float> WindowBounds::bounds_dps(int frames) const {
   std::vector<float> bounds(seen_.size(), RateEstimate::not_known);
-  const auto surroundings = bank_.surroundings(odometer_place);
-  if (!surroundings) return bounds;
+  const std::vector<float> image_c = bank_.odometer()->map_image_c();
+  if (image_c.empty()) return bounds;
   const std::vector<Seen> all = with_headings();
   std::vector<float> noises;
   for (const Seen& one : all) noises.push_back(one.noise_c);
@@ -97,7 +97,7 @@ std::vector<float> WindowBounds::bounds_dps(int frames) const {
                                            .heading_deg = all[i].heading_deg - 0.5 * turned_dps * length_s,
                                            .rate_dps = turned_dps,
                                            .noise_c = double{noise_c}};
-    bounds[i] = static_cast<float>(likelihood::rate_bound_dps(window, {surroundings->image_c}, camera_));
+    bounds[i] = static_cast<float>(likelihood::rate_bound_dps(window, {image_c}, camera_));
   }
   return bounds;
 }

@@ -4,11 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "thermorig/core/rate_estimate.h"
 #include "thermorig/core/sample.h"
-#include "thermorig/estimators/odometer/map.h"
+#include "thermorig/estimators/odometer/odometer.h"
 
 namespace thermorig::estimators {
 
@@ -24,14 +23,6 @@ struct Observation {
   bool is_told_to_move = false;         // by what the servo says of itself; blank: false
 };
 
-/// What an estimator has seen all around the servo's axis.
-struct Surroundings {
-  // Of frame_rows rows from the top, in degrees Celsius. The columns of a row are equal parts of a whole
-  // turn: the first begins at the estimator's own angle 0, and they follow as its angle grows. NaN: never
-  // seen.
-  std::vector<float> image_c;
-};
-
 /// Follows the motion about the servo's axis, measurement by measurement: causal, deterministic, and without
 /// an allocation in add().
 class Estimator {
@@ -41,17 +32,8 @@ class Estimator {
   /// Nothing where it has nothing to say of this measurement, not even why.
   virtual std::optional<RateEstimate> add(const Observation& observation) = 0;
 
-  /// Nothing where it keeps no image of them, or has none yet.
-  virtual std::optional<Surroundings> surroundings() const { return std::nullopt; }
-
-  /// What a later run may begin with. Nothing where it keeps no map, or none yet that it trusts.
-  virtual std::optional<odometer::Map> map() const { return std::nullopt; }
-
-  /// In which order the camera exposes its rows. Nothing where it does not ask, or not yet.
-  virtual std::optional<odometer::FoundRows> rows() const { return std::nullopt; }
-
-  /// What has become of the map that it began with.
-  virtual odometer::MapUse map_use() const { return odometer::MapUse::none; }
+  /// With its map of the surroundings. Null where it keeps none.
+  virtual const odometer::Odometer* odometer() const { return nullptr; }
 };
 
 }  // namespace thermorig::estimators

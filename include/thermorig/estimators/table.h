@@ -89,13 +89,8 @@ class Bank {
   /// Gyro samples and frames so far that no estimator was shown, since something of them is no number.
   std::uint64_t ignored() const;
 
-  /// What the entry at that place has seen of the surroundings.
-  std::optional<Surroundings> surroundings(std::size_t place) const;
-
-  /// That of the estimator that keeps one.
-  std::optional<odometer::Map> map() const;
-  odometer::MapUse map_use() const;
-  std::optional<odometer::FoundRows> rows() const;
+  /// That of the estimator that keeps a map; null: none does.
+  const odometer::Odometer* odometer() const;
 
  private:
   struct Parts;

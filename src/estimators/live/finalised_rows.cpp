@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "seconds_between.h"
 #include "thermorig/core/estimate.h"
 #include "thermorig/network/window_index.h"
 

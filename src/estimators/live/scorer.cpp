@@ -7,10 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "seconds_between.h"
 #include "thermorig/core/statistics.h"
-#include "thermorig/core/time.h"
 #include "thermorig/estimators/errors.h"
+#include "thermorig/estimators/live/finalised_rows.h"
 #include "thermorig/network/gate.h"
 
 namespace thermorig::live {

@@ -118,12 +118,36 @@ class HeadingTrust {
 class MapCheck {
  public:
   void begin() { *this = MapCheck(); }
-  void add(const HalfResult& result, double heading_deg);
+
+  /// A rig at rest shows one view again and again, which may be like another one of any room.
+  void add(const HalfResult& result, double heading_deg) {
+    if (!result.is_judged) return;
+    if (views_ > 0 && std::abs(heading_deg - last_deg_) < view_deg) return;
+    if (views_++ == 0) lowest_deg_ = highest_deg_ = heading_deg;
+    last_deg_ = heading_deg;
+    lowest_deg_ = std::min(lowest_deg_, heading_deg);
+    highest_deg_ = std::max(highest_deg_, heading_deg);
+    left_ += result.explained.left;
+    structure_ += result.explained.structure;
+    used_ += result.is_used ? 1 : 0;
+  }
 
   enum class Verdict : std::uint8_t { open, same, other };
-  Verdict verdict() const;
+  Verdict verdict() const {
+    const bool tells = views_ >= fewest_views && structure_ >= least_structure * views_;
+    if (!tells || highest_deg_ - lowest_deg_ < range_deg) return Verdict::open;
+    if (left_ > left_of_other * structure_ || used_ < used_of_same * views_) return Verdict::other;
+    return left_ < left_of_same * structure_ ? Verdict::same : Verdict::open;
+  }
 
  private:
+  static constexpr double view_deg = 5.0;  // a view that was turned by as much is another one
+  static constexpr int fewest_views = 32;  // 4 s at 8 halves a second
+  static constexpr double range_deg = 60.0;
+  static constexpr double least_structure = 40.0;  // of a half: before walls all maps are alike
+  static constexpr double left_of_same = 0.08, left_of_other = 0.2;  // of the structure: what is left of it
+  static constexpr double used_of_same = 0.7;                        // share of the halves
+
   double left_ = 0.0, structure_ = 0.0;  // squares of pixels beyond their noise
   double lowest_deg_ = 0.0, highest_deg_ = 0.0, last_deg_ = 0.0;
   int views_ = 0, used_ = 0;

@@ -12,8 +12,7 @@ namespace {
 constexpr double rad_a_deg = std::numbers::pi / 180.0;
 constexpr double wide_deg = 80.0;  // MLX90640 data sheet: 55 x 35 degrees, and 110 x 75
 constexpr double height_of_narrow = 35.0 / 55.0, height_of_wide = 75.0 / 110.0;
-constexpr double least_spread =
-    0.02;  // of a period: below it rows are as good as exposed at once, and a contest may say so
+constexpr double least_spread = 0.02;  // of a period: below it rows may as well be exposed at once
 
 }  // namespace
 

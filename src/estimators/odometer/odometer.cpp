@@ -182,6 +182,10 @@ MapUse Odometer::map_use() const {
   return parts_->map_use;
 }
 
+const FoundRows& Odometer::rows() const {
+  return parts_->rows;
+}
+
 /// A sample at the end of its range says less the longer that lasts, and one that is missing nothing.
 void Odometer::Parts::add_gyro(const TimedGyro& sample) {
   const HostTime time = sample.stamp.time;

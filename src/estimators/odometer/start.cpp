@@ -9,13 +9,13 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr std::size_t latest_search = 240;  // halves: then the earlier ones are forgotten
-constexpr int work_a_step = 260;            // when halves are gone through again: one or two dozen of them
+constexpr int start_work_a_step = 260;      // when halves are gone through again: one or two dozen of them
 constexpr double enough_s = 25.0;           // after the first half
-constexpr std::size_t enough_halves = 200, fewest_halves = 72;
+constexpr std::size_t enough_halves = 200, fewest_of_start = 72;
 constexpr std::size_t halves_of_rest = 48;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
 constexpr double known_bias_dps = 1.0;
-constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
+constexpr Nearness settled_pass{Tracker::least_bias_sigma_dps, 0.001, 0.001};
 constexpr double known_scale = 0.0008;  // one standard deviation: 0.3 degrees a turn
 // After the first pass. One that still fits badly after some of them will not fit any more.
 constexpr int most_repeats = 6, hopeful_repeats = 3, repeats_to_tell = 2;
@@ -175,7 +175,7 @@ void Start::restart_pass(int number) {
 }
 
 void Start::go_through(Tracker& tracker) {
-  for (int work = 0; work < work_a_step && gone_through_ < store_.count(); ++gone_through_) {
+  for (int work = 0; work < start_work_a_step && gone_through_ < store_.count(); ++gone_through_) {
     const auto& [half, came_s] = store_.at(gone_through_);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path_, came_s);
     const HalfResult result = tracker.add(half, path_);
@@ -244,7 +244,7 @@ Start::Outcome Start::fail() {
     phase_ = Phase::learning;
     return Outcome::goes_on;
   }
-  const bool is_first = !is_of_later_half_ && store_.count() >= 2 * fewest_halves;
+  const bool is_first = !is_of_later_half_ && store_.count() >= 2 * fewest_of_start;
   const bool is_second = is_of_later_half_ && !things_move_;
   if (is_first) {
     store_.forget(0, store_.count() / 2);
@@ -281,7 +281,7 @@ void Start::expect_traffic() {
 
 /// The pass ended with what it began with: another one would make the same map.
 bool Start::has_repeated() const {
-  return is_near(front_.filter(), begun_with_, settled);
+  return is_near(front_.filter(), begun_with_, settled_pass);
 }
 
 /// And that map fits.

@@ -6,9 +6,15 @@
 #include <vector>
 
 #include "thermorig/core/estimate_row.h"
+#include "thermorig/core/time.h"
 #include "thermorig/network/acquisition.h"
 
 namespace thermorig::live {
+
+/// Any two times may stand in a file: their difference is taken where it cannot overflow.
+inline double seconds_between(HostTime begin, HostTime end) {
+  return (static_cast<double>(to_ns(end)) - static_cast<double>(to_ns(begin))) * 1e-9;
+}
 
 /// The rows of a live run with what the finished session knows better.
 struct FinalisedRows {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "thermorig/core/estimate_row.h"
 #include "thermorig/core/measurement.h"
 #include "thermorig/estimators/table.h"
+#include "thermorig/network/frames_in_a_row.h"
+#include "thermorig/network/last_blocks.h"
+#include "thermorig/network/window_index.h"
 
 namespace thermorig::live {
 
@@ -20,19 +22,18 @@ namespace thermorig::live {
 class LiveEstimates {
  public:
   explicit LiveEstimates(estimators::Bank bank);
-  ~LiveEstimates();
-  LiveEstimates(LiveEstimates&&) noexcept;
-  LiveEstimates& operator=(LiveEstimates&&) noexcept;
 
   /// `arrived`: of the chunk that completed the measurement.
   EstimateRow add(const Measurement& measurement, HostTime arrived);
 
   /// What they have seen and keep beside the rows.
-  const estimators::Bank& bank() const;
+  const estimators::Bank& bank() const { return bank_; }
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  estimators::Bank bank_;
+  network::WindowRule rule_;
+  network::LastBlocks labels_;
+  network::FramesInARow in_a_row_;
 };
 
 /// What a recording's header says of them.

@@ -60,6 +60,9 @@ class Odometer {
   /// What has become of the one that it began with.
   MapUse map_use() const;
 
+  /// The order in which the camera exposes its rows, as the newest report has it.
+  const FoundRows& rows() const;
+
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;
