@@ -13,17 +13,19 @@ namespace {
 
 // Either way of an instant, the narrowest first.
 constexpr std::array reaches_s{0.0055, 0.0125, 0.025, MeasuredTrack::reach_s};
-constexpr double longest_silence_s = 0.03;  // an instant further from a reading is bridged
-constexpr double bridge_reach_s = 0.1;      // before the silence; behind it what has been waited for
+// One that sends by itself has a reading as near as that to an instant, or is silent.
+constexpr double longest_silence_s = 0.03;
 constexpr std::size_t fewest_points = 3;
 constexpr double line_chance_deviations = 0.5;
-constexpr double bend_chance = 6.0;  // times the variance of a difference
+constexpr double most_by_chance = 2.0;  // deviations
+constexpr double bend_chance = 6.0;     // times the variance of a difference
 
 /// A straight line through readings, at an instant.
 struct Line {
   double angle_deg = 0.0;
   double own2 = 0.0;     // variance by the noise of the readings
   double strays2 = 0.0;  // by what readings stray beyond their noise, the shaft strays from a line
+  double variance() const { return own2 + strays2; }
 };
 
 template <typename Points>
@@ -41,6 +43,17 @@ std::optional<Line> line_at(const Points& points, HostTime time) {
   const double strays2 = std::max(0.0, fit.residual_squares() / free - explained2);
   const double own2 = noise2 * (1.0 / fit.weights() + fit.mean_x() * fit.mean_x() / fit.squares_x());
   return Line{fit.at(0.0), own2, strays2};
+}
+
+template <typename Point>
+Estimate line_through(const Point& one, const Point& other, HostTime time) {
+  const double part = to_s(time - one.time) / to_s(other.time - one.time);
+  return {one.angle_deg + part * (other.angle_deg - one.angle_deg),
+          std::hypot((1.0 - part) * double{one.uncertainty_deg}, part * double{other.uncertainty_deg})};
+}
+
+bool beyond_chance(const Estimate& off) {
+  return std::abs(off.value) > most_by_chance * off.uncertainty;
 }
 
 /// How far a line is bent that a narrower one was cut from, squared.
@@ -66,9 +79,11 @@ std::optional<MeasuredTrack::At> MeasuredTrack::at(HostTime time) const {
   if (after == 0 || after == points.size()) return std::nullopt;
   const Point &before = points[after - 1], &next = points[after];
   if (before.lap != next.lap) return std::nullopt;
-  if (std::max(time - before.time, next.time - time) > from_s(longest_silence_s))
-    return next.time - before.time > bridged_ ? std::nullopt : across_silence(time, after);
-  std::optional<At> best;
+  const bool asked = bridged_ > HostDuration::zero();
+  if (asked ? next.time - before.time > bridged_
+            : std::max(time - before.time, next.time - time) > from_s(longest_silence_s))
+    return std::nullopt;
+  std::optional<At> best = asked ? between_readings(time, after) : std::nullopt;
   std::array<Line, reaches_s.size()> narrower;
   std::size_t count = 0;
   for (const double reach : reaches_s) {
@@ -82,7 +97,7 @@ std::optional<MeasuredTrack::At> MeasuredTrack::at(HostTime time) const {
     if (!line) continue;
     double bend2 = 0.0;
     for (std::size_t i = 0; i < count; ++i) bend2 = std::max(bend2, bent2(narrower[i], *line));
-    const double uncertainty_deg = std::sqrt(line->own2 + line->strays2 + bend2);
+    const double uncertainty_deg = std::sqrt(line->variance() + bend2);
     if (!best || uncertainty_deg < best->angle_deg.uncertainty)
       best = At{{line->angle_deg, uncertainty_deg}, next.lap, next.time_uncertainty_s};
     narrower[count++] = *line;
@@ -90,25 +105,39 @@ std::optional<MeasuredTrack::At> MeasuredTrack::at(HostTime time) const {
   return best;
 }
 
-/// `after`: the first reading behind it.
-std::optional<MeasuredTrack::At> MeasuredTrack::across_silence(HostTime time, std::size_t after) const {
+/// A shaft that gains speed from one reading to the next, or loses it, passes between their chord and what
+/// leads on to there from either side; one that does both, beyond chance, between the two that lead there. It
+/// is taken to be half way. `after`: the first reading behind the instant.
+std::optional<MeasuredTrack::At> MeasuredTrack::between_readings(HostTime time, std::size_t after) const {
   const auto points = points_.all();
-  const Point& next = points[after];
-  std::size_t first = after, last = after;
-  while (first > 0 && points[first - 1].lap == next.lap &&
-         points[after - 1].time - points[first - 1].time <= from_s(bridge_reach_s))
-    --first;
-  const std::size_t end = std::min(points_.first_at_or_after(time + from_s(reach_s)) + 1, points.size());
-  while (last < end && points[last].lap == next.lap) ++last;
-  if (after - first < fewest_points) return std::nullopt;
-  const auto line = line_at(points.subspan(first, last - first), time);
-  const auto led_to = line_at(points.subspan(first, after - first), next.time);
-  if (!line || !led_to) return std::nullopt;
-  const double missed_deg = next.angle_deg - led_to->angle_deg;
-  const double by_chance2 = led_to->own2 + double{next.uncertainty_deg} * double{next.uncertainty_deg};
-  const double missed2 = std::max(0.0, missed_deg * missed_deg - by_chance2);
-  return At{
-      {line->angle_deg, std::sqrt(line->own2 + line->strays2 + missed2)}, next.lap, next.time_uncertainty_s};
+  const Point &before = points[after - 1], &next = points[after];
+  const auto go_on = [&](std::size_t i) {
+    return i + 1 < points.size() && points[i].lap == points[i + 1].lap && points[i].time < points[i + 1].time;
+  };
+  if (after < 2 || !go_on(after - 2)) return std::nullopt;
+  const Estimate chord = line_through(before, next, time);
+  const auto off_chord = [&](const Point& one, const Point& other) {
+    const Estimate line = line_through(one, other, time);
+    return Estimate{line.value - chord.value, std::hypot(line.uncertainty, chord.uncertainty)};
+  };
+  const Estimate led = off_chord(points[after - 2], before);
+  Estimate one = led, other{0.0, 0.0};  // the shaft passes between
+  if (go_on(after)) {
+    const Estimate came = off_chord(next, points[after + 1]);
+    const bool contradict = led.value * came.value < 0.0;
+    if (contradict && beyond_chance(led) && beyond_chance(came)) {
+      other = came;
+    } else {
+      if (std::abs(came.value) < std::abs(led.value)) one = came;
+      if (contradict) one.value = 0.0;
+    }
+  }
+  const double apart_deg = one.value - other.value;
+  const double own2 = one.uncertainty * one.uncertainty + other.uncertainty * other.uncertainty;
+  return At{{chord.value + 0.5 * (one.value + other.value),
+             std::sqrt(chord.uncertainty * chord.uncertainty + apart_deg * apart_deg / 8.0 + own2 / 3.0)},
+            next.lap,
+            next.time_uncertainty_s};
 }
 
 std::optional<Estimate> MeasuredTrack::angle_deg(HostTime time) const {

@@ -17,9 +17,9 @@ namespace thermorig::labels {
 /// from the line beyond it, and how far lines through fewer of them are from it: then the shaft does not move
 /// evenly.
 ///
-/// A servo that is asked for each reading is silent while the host is busy. Such a silence is bridged by one
-/// line through what was read on either side; how far the first reading behind it is from where those before
-/// it lead counts in full: nobody knows when the shaft went another way.
+/// A servo that is asked for each reading answers some 40 times a second, and not while the host is busy.
+/// There, two readings on either side say between which angles the shaft passes, whether it gains speed or
+/// loses it; that counts where it is more certain than a line.
 class MeasuredTrack {
  public:
   /// How far around an instant readings are of use.
@@ -61,7 +61,7 @@ class MeasuredTrack {
     float time_uncertainty_s = 0.0F;
   };
   std::optional<At> at(HostTime time) const;
-  std::optional<At> across_silence(HostTime time, std::size_t after) const;
+  std::optional<At> between_readings(HostTime time, std::size_t after) const;
 
   History<Point> points_;
   HostDuration bridged_;
