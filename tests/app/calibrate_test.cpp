@@ -260,7 +260,7 @@ TEST_F(Calibrate, RefusesWordsThatContradictEachOther) {
   expect_refused("bias --session missing.h5", 2, "no such file");
   expect_refused("bias --session missing.h5" + fast, 2, "--session");
   expect_refused("bias --fast", 2, "--simulated=4");
-  expect_refused("bias", 2, "no port is named");
+  expect_refused("bias", 2, "no port is given");
 }
 
 }  // namespace

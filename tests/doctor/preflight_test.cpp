@@ -191,7 +191,7 @@ TEST(Preflight, DoesNotDiluteLossesOfJustNow) {
   const auto error = error_of(bus, waiting(folder, 120.0));
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ExitCode::check_failed);
-  EXPECT_THAT(error->what_happened(), HasSubstr("bytes belong to no good message"));
+  EXPECT_THAT(error->what_happened(), HasSubstr("bytes are in no valid message"));
 }
 
 TEST(Preflight, ListensAnewOnceADeviceThatWasAwayIsBack) {
@@ -218,7 +218,7 @@ TEST(Preflight, RefusesADeviceThatHasFallenSilent) {
   };
   const auto error = error_of(bus, waiting(folder, 20.0));
   ASSERT_TRUE(error);
-  EXPECT_THAT(error->what_happened(), HasSubstr("frames a second come from the camera"));
+  EXPECT_THAT(error->what_happened(), HasSubstr("the camera sends"));
 }
 
 TEST(Preflight, LetsRepeatedFramesPassByTheirName) {

@@ -203,7 +203,7 @@ std::vector<Misconfiguration> wrong_rigs() {
          config.hand_turns.push_back({host_time_ns(2'000'000'000), 8.0, 40.0});
          return rig_with(config, config.profile, [](SimulatedBus&) {});
        },
-       "preflight: gyro_noise", "varies by", "leave it alone", ExitCode::check_failed},
+       "preflight: gyro_noise", "varies by", "do not touch it", ExitCode::check_failed},
       {"the servo loses every fifth answer",
        [] { return rig_with([](SimulatedBus& bus) { bus.from_device[2] = losing_every(5); }); },
        "preflight: servo_lost", "messages are missing", "cable", ExitCode::check_failed},

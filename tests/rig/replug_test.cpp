@@ -217,7 +217,7 @@ TEST(Replugged, AnotherDeviceInItsPlaceIsNamed) {
   };
   run.go();
   EXPECT_EQ(run.result.exit, ExitCode::device_lost);
-  EXPECT_THAT(run.result.message, HasSubstr("that is the gyro, not the camera"));
+  EXPECT_THAT(run.result.message, HasSubstr("this is the gyro, not the camera"));
   EXPECT_LT(run.result.duration_s, 20.0);
 }
 

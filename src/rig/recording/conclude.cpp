@@ -61,8 +61,7 @@ void say_what_interrupted(RecordingResult& result, const RecordingOutcome& outco
   }
   if (text.empty()) return;
   if (result.message.empty())
-    result.message =
-        "the plan was finished; " + text + ", and the legs that this cut short were driven again";
+    result.message = "the plan is complete; " + text + ", and the legs that this cut short were repeated";
   else
     result.message += "; " + text;
 }
@@ -80,10 +79,10 @@ std::vector<std::string> lacking_by_hand(const session::Session& session) {
     if (turned_deg < 0.0) backward_deg -= turned_deg;
   }
   if (std::max(forward_deg, backward_deg) < least_turn_deg)
-    lacking.emplace_back("a whole turn and a bit more, for the gyro's scale");
+    lacking.emplace_back("more than a whole turn, for the gyro's scale");
   if (std::min(forward_deg, backward_deg) < least_turn_deg / 4.0)
-    lacking.emplace_back(forward_deg > backward_deg ? "turns the other way, of negative rates"
-                                                    : "turns the other way, of positive rates");
+    lacking.emplace_back(forward_deg > backward_deg ? "turns the other way (negative rates)"
+                                                    : "turns the other way (positive rates)");
   return lacking;
 }
 
@@ -109,20 +108,20 @@ void say_how_it_ended(RecordingResult& result, const RecordingOutcome& outcome) 
     if (outcome.is_kept) result.message += "; everything up to then is in the session";
   } else if (!outcome.gone.empty()) {
     result.exit = ExitCode::finished_lossy;
-    result.message = "the plan was finished, in part without the " + names_of(outcome.gone);
+    result.message = "the plan is complete, in part without the " + names_of(outcome.gone);
     result.advice = outcome.gone_advice;
   } else if (result.quality.verdict == "bad") {
     result.exit = ExitCode::finished_lossy;
-    result.message = "the plan was finished, but its quality is bad";
+    result.message = "the plan is complete, but its quality is bad";
     result.advice = "thermorig inspect " + shell_word(result.session.string());
   } else if (const auto wanting = count_short(result.speeds); wanting > 0) {
     result.exit = ExitCode::finished_lossy;
-    result.message = fmt::format("the plan was finished, but {} of {} speeds have too few valid frames",
+    result.message = fmt::format("the plan is complete, but {} of {} speeds have too few valid frames",
                                  wanting, result.speeds.size());
     if (outcome.is_kept) result.advice = "thermorig inspect " + shell_word(result.session.string());
   } else if (const std::string losses = losses_of(result.quality); !losses.empty()) {
     result.exit = ExitCode::finished_lossy;
-    result.message = "the plan was finished, but " + losses;
+    result.message = "the plan is complete, but " + losses;
     result.advice = "thermorig inspect " + shell_word(result.session.string());
   }
 }
