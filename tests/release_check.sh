@@ -36,8 +36,9 @@ elif ! git rev-parse -q --verify "$passed^{commit}" >/dev/null; then
 else
   # What may differ: texts, results and pictures, and what a pass writes. Models may not: tests use them.
   changed=$(git diff --name-only "$passed" -- . ':!*.md' ':!*.png' ':!docs/study' ':!CITATION.cff' ':!tests/last_passes.txt')
-  [ -z "$changed" ] || wrong "since the last full pass, at $passed, there have changed (bash tests/nightly.sh):
-$changed"
+  [ -z "$changed" ] || wrong "since the last full pass, at ${passed:0:12}, $(wc -l <<<"$changed") files have changed, such as
+$(head -n 5 <<<"$changed")
+        bash tests/nightly.sh"
 fi
 
 figures=$(grep -rhoE '^<!-- (table|figures) [a-z_]+, commit [0-9a-f]+' README.md docs | sed 's/.* //' | sort -u)
