@@ -226,7 +226,7 @@ describe('what is shown', () => {
     const waiting = { phase: 'waiting', leg: 0, frames: 0, rate_dps: 0, eta_s: 27 };
     const { tab } = await page([hello({ control: true }), state(3, waiting)]);
     await until(async () => await textOf(tab, '#phase') === 'waits for Start sweep', 'what it waits for');
-    assert.equal(await textOf(tab, '#elapsed'), '00:03, 00:27 after the start');
+    assert.equal(await textOf(tab, '#elapsed'), '00:03, the sweep takes 00:27');
     server.send(hello({ run: 'at once' }), state(1, waiting));
     await until(async () => await textOf(tab, '#phase') === 'checks the devices', 'the preflight check');
     assert.equal(await textOf(tab, '#elapsed'), '00:01 of 00:28, 00:27 to go');

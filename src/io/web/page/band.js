@@ -68,7 +68,7 @@ export class Band {
     const left = number(this.last.eta_s);
     if (this.waits && this.control) {
       const whole = left ?? this.planned;
-      return whole === null ? clock(now) : `${clock(now)}, ${clock(whole)} after the start`;
+      return whole === null ? clock(now) : `${clock(now)}, the sweep takes ${clock(whole)}`;
     }
     const planned = left === null ? this.planned : now + left;
     return `${clock(now)}${planned === null ? '' : ` of ${clock(planned)}`}${
