@@ -123,7 +123,7 @@ void add_setup(CLI::App& root, Words& words) {
   SetupOptions& setup = words.setup;
   RecordOptions& record = setup.record;
   record.environment = "setup";
-  CLI::App& command = *root.add_subcommand("setup", "Find out all about a new rig, and write its profile");
+  CLI::App& command = *root.add_subcommand("setup", "Set up a new rig and write its profile");
   command.add_option("PORT", setup.ports, "Ports of the rig (default: all that the system lists)");
   command.add_option("--save", setup.save, "Profile to write, when all is known: a name or a file")
       ->type_name("PROFILE")

@@ -234,11 +234,11 @@ TEST_F(CalibrateCheck, LetsARecordingGoOnWhereTheProfileHolds) {
 
 TEST_F(CalibrateCheck, IsNamedByTheDoctor) {
   EXPECT_THAT(run("doctor --world honest --simulated=3 --plan quick").out,
-              HasSubstr("no constant of this profile was measured: thermorig calibrate does that"));
+              HasSubstr("no constant of this profile is measured: `thermorig calibrate` measures them"));
   make_profile("bench.toml", 0.0);
   const std::string seen = run("doctor --world honest --simulated=3 --plan quick --rig bench.toml").out;
   EXPECT_THAT(seen, HasSubstr("camera latency measured, the oldest on "));
-  EXPECT_THAT(seen, HasSubstr("whether they still hold says thermorig calibrate check"));
+  EXPECT_THAT(seen, HasSubstr("`thermorig calibrate check` shows whether they still hold"));
 }
 
 TEST_F(CalibrateCheck, RefusesWordsThatWouldDoNothing) {

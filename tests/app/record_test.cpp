@@ -170,7 +170,7 @@ TEST_F(Record, EndsWith3WhereMessagesWereLostAndSaysHowMany) {
           " --json");
   EXPECT_EQ(outcome.code, 3);
   const std::string message = outcome.lines().back()["message"];
-  EXPECT_THAT(message, testing::ContainsRegex("finished, but [0-9.]+ % of the camera's messages were lost"));
+  EXPECT_THAT(message, testing::ContainsRegex("complete, but [0-9.]+ % of the camera's messages were lost"));
 }
 
 TEST_F(Record, RefusesOnADryRunWhatItRefusesWhenItRecords) {

@@ -171,7 +171,7 @@ std::vector<Misconfiguration> wrong_rigs() {
          config.world.camera.lost_subpages = 0.75;
          return rig_with(config, config.profile, [](SimulatedBus&) {});
        },
-       "preflight: camera_halves", "the camera skips", "lower frame rate", ExitCode::check_failed},
+       "preflight: camera_halves", "the camera skips", "frame rate", ExitCode::check_failed},
       {"the camera sends each frame twice",
        [] {
          return rig_with([](SimulatedBus& bus) {
@@ -183,7 +183,7 @@ std::vector<Misconfiguration> wrong_rigs() {
                });
          });
        },
-       "preflight: camera_repeats", "repeat", "lower frame rate", ExitCode::check_failed},
+       "preflight: camera_repeats", "repeat", "frame rate", ExitCode::check_failed},
       {"one half of the camera's chess pattern stands still",
        [] {
          simulation::VirtualRigConfig config = good_rig();

@@ -28,7 +28,7 @@ std::string_view rate_advice(Device device, bool slow) {
     return slow ? "set output_rate_hz in the rig profile to the gyro's rate, or change the gyro's; 9600 baud "
                   "carry at most 87 samples a second"
                 : "set output_rate_hz in the rig profile to the gyro's rate";
-  return "flash the servo board with this program's firmware (firmware_servo); end programs that keep this "
+  return "reflash the servo board with this program's firmware (firmware_servo); end programs that keep this "
          "computer busy";
 }
 
@@ -89,15 +89,15 @@ PreflightViolation repeated_frames(const PreflightImages& images, double limit) 
   return {"camera_repeats", Device::camera,
           fmt::format("{:.0f} % of the frames repeat the one before", 100.0 * images.repeated_share),
           fmt::format("at most {:.0f} %", 100.0 * limit),
-          "lower the camera's frame rate (its board sends more often than its sensor measures), or switch it "
-          "off and on"};
+          "lower the camera's frame rate (its bridge sends more often than its sensor measures), or switch "
+          "it off and on"};
 }
 
 PreflightViolation lost_halves(const PreflightImages& images, double limit) {
   return {"camera_halves", Device::camera,
           fmt::format("the camera skips {:.1f} % of the half-frames", 100.0 * images.lost_half_share),
           fmt::format("at most {:.0f} %", 100.0 * limit),
-          "lower the camera's frame rate (--camera-rate, output_rate_hz in the rig profile): its board is "
+          "lower the camera's frame rate (--camera-rate, output_rate_hz in the rig profile): its bridge is "
           "too slow for its sensor; another cable does not help"};
 }
 
@@ -128,7 +128,7 @@ void judge_images(const PreflightImages& images, const PreflightLimits& limits, 
          fmt::format("the even and the odd half-frame are new in {:.0f} % and {:.0f} % of the frames",
                      100.0 * images.even_fresh_share, 100.0 * images.odd_fresh_share),
          fmt::format("each in at least {:.0f} %", 100.0 * limits.fresh_share),
-         "set the camera's frame rate again, and switch it off and on; a board that sends more often than "
+         "set the camera's frame rate again, and switch it off and on; a bridge that sends more often than "
          "its sensor measures repeats frames"});
   else if (is_surely_above(images.lost_half_share, all_due(images.frames, images.lost_half_share),
                            limits.lost_half_share))

@@ -186,7 +186,7 @@ void ServoCommander::take(const wire::ServoWelcome& welcome, std::uint8_t sequen
                 fmt::format("the servo's firmware {} does not guard the cable of a continuous servo",
                             welcome.firmware),
                 "servo",
-                "flash the servo board with this program's firmware (firmware_servo), or state in the rig "
+                "reflash the servo board with this program's firmware (firmware_servo), or state in the rig "
                 "profile that there is no cable to wind up: travel_deg = 0");
   welcome_ = welcome;
   acknowledged(arrived);
@@ -242,7 +242,7 @@ void ServoCommander::wrong_version(unsigned firmware) const {
   throw Error(ExitCode::device_missing,
               fmt::format("the servo's firmware speaks version {} of the servo link, this program version {}",
                           firmware, SERVO_LINK_VERSION),
-              "servo", "flash the servo board with this program's firmware (firmware_servo)");
+              "servo", "reflash the servo board with this program's firmware (firmware_servo)");
 }
 
 }  // namespace thermorig::rig
