@@ -249,8 +249,8 @@ std::string remark_on_resolution(std::size_t decimals, double scale_dps) {
 static std::string remark_on_few(double rate_hz) {
   if (rate_hz >= usual_frames_hz) return "";
   return fmt::format(
-      "{:g} samples a second are too few: a frame without a sample is not valid; print 50 a second or more "
-      "(its delay, its baud rate), and set output_rate_hz in [gyro] of the profile",
+      "a rate of {:g} /s is too low: a frame without a sample is not valid; print 50 samples a second or "
+      "more (its delay, its baud rate), and set output_rate_hz in [gyro] of the profile",
       rate_hz);
 }
 

@@ -72,7 +72,7 @@ TEST_F(Record, TakesEveryCameraAndGyroThatCanBeSimulated) {
     std::filesystem::remove_all(folder() / "recordings");
     const Outcome outcome = run(honest_rig + word + " --plan quick");
     EXPECT_THAT(outcome.out + outcome.err, Not(HasSubstr("command contradict"))) << word;
-    const bool is_slow = outcome.out.find("samples a second are too few") != std::string::npos;
+    const bool is_slow = outcome.out.find("/s is too low") != std::string::npos;
     EXPECT_TRUE(outcome.code == 0 || (is_slow && outcome.code == 3)) << word << outcome.err;
     EXPECT_TRUE(is_slow || run("inspect --check recordings").code == 0) << word;
     slow += is_slow ? 1 : 0;

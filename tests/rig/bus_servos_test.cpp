@@ -198,7 +198,7 @@ TEST_F(Sts3215Rig, AnotherServoThatAnswersAlikeIsRefused) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::device_missing);
-    EXPECT_THAT(error.what_happened(), HasSubstr("no STS3215"));
+    EXPECT_THAT(error.what_happened(), HasSubstr("not an STS3215"));
   }
 }
 

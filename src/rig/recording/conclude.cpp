@@ -32,12 +32,23 @@ std::string names_of(const std::vector<Device>& devices) {
   return names;
 }
 
-/// "the camera was away for 12 s, the servo for 3 s"; empty if none was.
+/// "the camera was away for 12 s, the servo 5 times for 21 s in all"; empty if none was.
 std::string absences_text(const std::vector<DeviceAbsence>& absences) {
   std::string text;
-  for (const DeviceAbsence& absence : absences)
-    text += fmt::format("{}the {}{} for {:.0f} s", text.empty() ? "" : ", ", name_of(absence.device),
-                        text.empty() ? " was away" : "", std::ceil(to_s(absence.end - absence.begin)));
+  for (const Device device : all_devices) {
+    int times = 0;
+    double away_s = 0.0;
+    for (const DeviceAbsence& absence : absences)
+      if (absence.device == device) {
+        ++times;
+        away_s += to_s(absence.end - absence.begin);
+      }
+    if (times == 0) continue;
+    text += (text.empty() ? "" : ", ") +
+            fmt::format("the {}{}", name_of(device), text.empty() ? " was away" : "");
+    if (times > 1) text += fmt::format(" {} times", times);
+    text += fmt::format(" for {:.0f} s{}", std::ceil(away_s), times > 1 ? " in all" : "");
+  }
   return text;
 }
 
