@@ -118,9 +118,15 @@ std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
 std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
   std::string text = option->get_description();
   text += choices_text(text, choices(*option));
+  const auto add = [&text](const std::string& more) {  // into brackets that are there
+    if (text.ends_with(')'))
+      text.replace(text.size() - 1, 1, "; " + more + ")");
+    else
+      text += " (" + more + ")";
+  };
   const std::string usual = option->get_default_str();
-  if (!usual.empty() && text.find("default") == std::string::npos) text += " (default " + usual + ")";
-  for (const CLI::Option* needed : option->get_needs()) text += " (with " + needed->get_name() + ")";
+  if (!usual.empty() && text.find("default") == std::string::npos) add("default " + usual);
+  for (const CLI::Option* needed : option->get_needs()) add("with " + needed->get_name());
   return text;
 }
 

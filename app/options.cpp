@@ -123,7 +123,7 @@ void add_setup(CLI::App& root, Words& words) {
   SetupOptions& setup = words.setup;
   RecordOptions& record = setup.record;
   record.environment = "setup";
-  CLI::App& command = *root.add_subcommand("setup", "Find out all about a new rig, and write its profile");
+  CLI::App& command = *root.add_subcommand("setup", "Set up a new rig and write its profile");
   command.add_option("PORT", setup.ports, "Ports of the rig (default: all that the system lists)");
   command.add_option("--save", setup.save, "Profile to write, when all is known: a name or a file")
       ->type_name("PROFILE")
@@ -489,24 +489,32 @@ constexpr std::array<GoneOption, 3> options_that_are_gone{
       "trainings at the same time: --jobs N; one part of N of a study: --shard I/N; --list-jobs shows which "
       "jobs are open"}}};
 
+/// That was named last, "dataset build"; else `root`.
+const CLI::App& innermost(const CLI::App& root) {
+  const std::vector<CLI::App*> named = root.get_subcommands();
+  return named.empty() ? root : innermost(*named.front());
+}
+
 std::string what_to_read(const CLI::App& root) {
   const std::vector<std::string> left = root.remaining(true);
-  const CLI::App* command = &root;
-  std::string help = "thermorig ";
-  while (!command->get_subcommands().empty()) {
-    command = command->get_subcommands().front();
-    help += command->get_name() + " ";
-  }
-  if (left.empty()) return help + "--help";
+  const CLI::App* command = &innermost(root);
+  std::string help = "--help";
+  for (const CLI::App* one = command; one != nullptr; one = one->get_parent())
+    help = (one == &root ? "thermorig" : one->get_name()) + " " + help;
+  if (left.empty()) return help;
   const std::string slip = left.front().substr(0, left.front().find('='));
   for (const auto& [owner, name, instead] : options_that_are_gone)
     if (command->get_name() == owner && slip == name) return std::string(instead);
   const auto meant = nearest_name(left.front(), words_of(*command));
-  return (meant ? "did you mean " + *meant + "? " : "") + help + "--help";
+  return (meant ? "did you mean " + *meant + "? " : "") + help;
 }
 
-std::string unexpected_text(const std::string& word) {
-  return word.starts_with("-") ? "there is no option " + word : "\"" + word + "\" was not expected";
+std::string unexpected_text(const CLI::App& root) {
+  const std::string word = root.remaining(true).front();
+  if (word.starts_with("-")) return "there is no option " + word;
+  const CLI::App& command = innermost(root);
+  return named_commands(command).empty() ? "\"" + word + "\" was not expected"
+                                         : "there is no command \"" + word + "\"";
 }
 
 /// "--speeds = 30deg" of CLI11's "Could not convert: --speeds = 30deg".
@@ -578,12 +586,11 @@ CommandLine parse(int argc, const char* const* argv) {
   } catch (const CLI::CallForHelp&) {
     return {std::nullopt, help_text(root.help(), terminal_width())};
   } catch (const CLI::RequiredError& error) {
-    const std::vector<std::string> left =
-        root.remaining(true);  // a slip of the pen, mostly, in the word that is missing
-    throw Error(ExitCode::bad_usage, left.empty() ? error.what() : unexpected_text(left.front()), "",
+    // A word that is left is mostly a slip of the pen, in the one that is missing.
+    throw Error(ExitCode::bad_usage, root.remaining(true).empty() ? error.what() : unexpected_text(root), "",
                 what_to_read(root));
   } catch (const CLI::ExtrasError&) {
-    throw Error(ExitCode::bad_usage, unexpected_text(root.remaining(true).front()), "", what_to_read(root));
+    throw Error(ExitCode::bad_usage, unexpected_text(root), "", what_to_read(root));
   } catch (const CLI::ConversionError& error) {
     throw Error(ExitCode::bad_usage, conversion_text(error.what()), "", what_to_read(root));
   } catch (const CLI::ParseError& error) {

@@ -9,14 +9,14 @@ failed=0
 wrong() { echo "NOT OK  $1" >&2; failed=1; }
 
 changes=$(git status --porcelain)
-[ -z "$changes" ] || wrong "there are changes that no commit has:
+[ -z "$changes" ] || wrong "there are changes that no commit has (git commit):
 $changes"
 
 version=$(sed -nE 's/^project\(thermorig VERSION ([0-9.]+) .*/\1/p' CMakeLists.txt)
 citation=$(sed -n 's/^version: //p' CITATION.cff)
 released=$(sed -n 's/^date-released: *//p' CITATION.cff | tr -d '"')
 for file in app/python/pyproject.toml app/python/thermorig/__init__.py; do
-  grep -qF "\"$version\"" "$file" || wrong "$file does not have version $version"
+  grep -qF "\"$version\"" "$file" || wrong "$file does not have version $version: correct it"
 done
 heading=$(sed -n 's/^## //p' docs/CHANGELOG.md | head -1) # "0.2.0 (2026-11-30)"
 [ -n "$version" ] || wrong "CMakeLists.txt has no version"
@@ -30,14 +30,15 @@ tagged=$(git rev-parse -q --verify "v$version^{commit}" || true)
 
 passed=$(last_pass)
 if [ -z "$passed" ]; then
-  wrong "no full pass of tests/nightly.sh is written down"
+  wrong "no full pass is written down: bash tests/nightly.sh"
 elif ! git rev-parse -q --verify "$passed^{commit}" >/dev/null; then
-  wrong "the last full pass was at $passed, which this clone does not have"
+  wrong "the last full pass was at $passed, which this clone does not have: bash tests/nightly.sh"
 else
   # What may differ: texts, results and pictures, and what a pass writes. Models may not: tests use them.
   changed=$(git diff --name-only "$passed" -- . ':!*.md' ':!*.png' ':!docs/study' ':!CITATION.cff' ':!tests/last_passes.txt')
-  [ -z "$changed" ] || wrong "since the last full pass, at $passed, there have changed:
-$changed"
+  [ -z "$changed" ] || wrong "since the last full pass, at ${passed:0:12}, $(wc -l <<<"$changed") files have changed, such as
+$(head -n 5 <<<"$changed")
+        bash tests/nightly.sh"
 fi
 
 figures=$(grep -rhoE '^<!-- (table|figures) [a-z_]+, commit [0-9a-f]+' README.md docs | sed 's/.* //' | sort -u)

@@ -34,13 +34,13 @@ std::vector<std::string> strings_of(const std::vector<fs::path>& files) {
   return {files.begin(), files.end()};
 }
 
-/// "a.h5, b.h5, c.h5 and 4 more".
+/// The first of them, a line each.
 std::string some_of(const std::vector<std::string>& files) {
   constexpr std::size_t most = 3;
-  const std::vector<std::string> first(
-      files.begin(), files.begin() + static_cast<std::ptrdiff_t>(std::min(most, files.size())));
-  const std::string names = printable(fmt::format("{}", fmt::join(first, ", ")));
-  return files.size() > most ? fmt::format("{} and {} more", names, files.size() - most) : names;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, files.size()); ++i) text += "\n  " + printable(files[i]);
+  if (files.size() > most) text += fmt::format("\n  and {} more", files.size() - most);
+  return text;
 }
 
 /// Files of rigs without a servo.
@@ -54,18 +54,17 @@ std::vector<std::string> labelled_by_gyro(const dataset::Acquisitions& data) {
 void tell_labels(const std::vector<std::string>& files) {
   if (files.empty()) return;
   print(
-      "labels from the gyro (no servo): {}\n"
-      "  estimators that use the gyro are compared with themselves there: only\n  those of images alone show "
-      "how good they are\n",
+      "labels from the gyro (no servo), with which estimators that use the gyro are\n"
+      "compared with themselves; only those of images alone show how good they are:{}\n",
       some_of(files));
 }
 
 void tell_choice(const dataset::Acquisitions& data) {
   tell_labels(labelled_by_gyro(data));
   if (!data.for_calibration.empty())
-    print("left out, recorded for calibrations: {}\n", some_of(strings_of(data.for_calibration)));
+    print("left out, recorded for calibrations:{}\n", some_of(strings_of(data.for_calibration)));
   tell_left_out(data.left_out);
-  if (!data.bad.empty()) print("bad, but accepted: {}\n", some_of(files_of(data.bad)));
+  if (!data.bad.empty()) print("bad, but accepted:{}\n", some_of(files_of(data.bad)));
 }
 
 void require_any(const dataset::Acquisitions& data) {

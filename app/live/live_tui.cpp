@@ -177,7 +177,7 @@ class LiveTui : public LiveScreen {
     std::string text = half_blocks(frame.frame.frame, facts_.header.profile.camera.mirrored, colours_);
     const Range range = range_of(frame.frame.frame);
     std::string figures = fmt::format("{:.1f} to {:.1f} degC, {}{}\n", range.low, range.high,
-                                      freshness(frame.frame), keyboard_.is_there() ? "   (q leaves)" : "");
+                                      new_pixels(frame.frame), keyboard_.is_there() ? "   (q leaves)" : "");
     figures += state_ + "\n";
     figures += rates_text(frame);
     text += cut(figures, terminal_width() - 1);  // a full line would wrap
@@ -185,8 +185,13 @@ class LiveTui : public LiveScreen {
     if (output_.write(erasing(lines_) + text, Matter::frame)) lines_ = lines;
   }
 
-  /// "  angle +123.4 +- 0.3 deg"; of an estimate that is not good, the reason, or else its state: there is no
-  /// room for both.
+  static std::string new_pixels(const TimedFrame& frame) {
+    const std::string fresh = freshness(frame);
+    return fresh == "repeated" ? fresh : fresh == "both" ? "all pixels new" : "half of the pixels new";
+  }
+
+  /// "  angle +123.4 +- 0.3", in degrees (80 columns have no room for the unit); of an estimate that is not
+  /// good, the reason, or else its state: there is no room for both.
   static std::string angle_text(const RateEstimate& estimate) {
     if (estimate.state == EstimateState::absent) return "";
     if (estimate.state != EstimateState::good)
@@ -194,7 +199,7 @@ class LiveTui : public LiveScreen {
                                      ? thermorig::name_of(estimate.state)
                                      : thermorig::name_of(estimate.reason));
     if (!std::isfinite(estimate.angle_deg) || !std::isfinite(estimate.angle_sigma_deg)) return "";
-    return fmt::format("  angle {:+.1f} +- {:.1f} deg", estimate.angle_deg, estimate.angle_sigma_deg);
+    return fmt::format("  angle {:+.1f} +- {:.1f}", estimate.angle_deg, estimate.angle_sigma_deg);
   }
 
   /// As wide as the longest name.
@@ -223,7 +228,7 @@ class LiveTui : public LiveScreen {
     const std::optional<float> gain = live::gain_of(frame.estimators, row);
     const std::string gate =
         gain ? "Kg " + (std::isnan(*gain) ? "-" : fmt::format("{:.2f}", *gain)) + "  " : "";
-    return text + fmt::format("\n{}counted {}  excluded {}  error and RMSE in deg/s  {} us\n", gate,
+    return text + fmt::format("\n{}counted {}  excluded {}  rates in deg/s, angles in deg  {} us\n", gate,
                               frame.scores.counted, frame.scores.excluded, plain_figure(frame.inference_us));
   }
 

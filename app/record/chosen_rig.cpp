@@ -47,7 +47,7 @@ void check_ports(const RigProfile& profile, const PerDevice<bool>& needed) {
     if (needed[device] && profile.has(device) && profile.link(device).port.empty())
       missing += (missing.empty() ? "" : ", ") + std::string(name_of(device));
   if (missing.empty()) return;
-  throw Error(ExitCode::bad_usage, "no port is named for " + missing, "",
+  throw Error(ExitCode::bad_usage, "no port is given for " + missing, "",
               "thermorig ports (finds them), --rig PROFILE, or --simulated; --no-servo without a servo");
 }
 

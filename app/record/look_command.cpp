@@ -324,7 +324,7 @@ ExitCode run(const LookOptions& options) {
   const std::vector<io::PortInfo> ports =
       ports_to_hear(options.port.empty() ? std::vector<std::string>() : std::vector{options.port});
   if (ports.empty())
-    throw Error(ExitCode::device_missing, "this machine has no serial port", "",
+    throw Error(ExitCode::device_missing, "this computer has no serial port", "",
                 "plug the device in; without hardware: thermorig simulate, then name its ports");
   if (!options.json) {
     print("listening to {} port{} for up to 6 s ...\n", ports.size(), ports.size() == 1 ? "" : "s");

@@ -54,7 +54,7 @@ void ask_for_hand_turn(rig::PortFinding& finding) {
 ExitCode run(const PortsOptions& options) {
   const std::vector<io::PortInfo> ports = ports_to_hear(options.extra);
   if (ports.empty())
-    throw Error(ExitCode::device_missing, "this machine has no serial port", "",
+    throw Error(ExitCode::device_missing, "this computer has no serial port", "",
                 "plug the devices in; without hardware: thermorig simulate, then name its ports");
   SavedProfile saved{.name = options.save, .file = {}};
   if (!saved.name.empty()) {

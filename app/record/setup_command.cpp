@@ -67,11 +67,11 @@ class TerminalSetup : public rig::SetupWorld {
     for (const std::string& port : ports_)
       if (std::filesystem::exists(port)) there.push_back(port);
     if (there.empty() && !ports_.empty())
-      throw Error(ExitCode::device_missing, "none of the ports that were named is there", ports_.front(),
-                  "plug the devices in; thermorig ports shows which ports there are");
+      throw Error(ExitCode::device_missing, "none of these ports exists", ports_.front(),
+                  "plug the devices in; `thermorig ports` lists the ports");
     const std::vector<io::PortInfo> ports = ports_to_hear(there);
     if (ports.empty())
-      throw Error(ExitCode::device_missing, "this machine has no serial port", "",
+      throw Error(ExitCode::device_missing, "this computer has no serial port", "",
                   "plug the devices in; without hardware: thermorig setup --simulated=4");
     say(fmt::format("listening to {} port{} for up to 6 s ...\n", ports.size(),
                     ports.size() == 1 ? "" : "s"));
@@ -130,8 +130,8 @@ class TerminalSetup : public rig::SetupWorld {
 
   void ask_to(const std::string& request) override {
     if (options_.yes)
-      throw Error(ExitCode::device_missing, request + ": a person has to do that, and --yes was given",
-                  "setup", "name the rig's ports: thermorig setup PORT PORT PORT");
+      throw Error(ExitCode::device_missing, request + ": a person must do this, but --yes was given", "setup",
+                  "name the rig's ports: thermorig setup PORT PORT PORT");
     say(request + ", then press Enter. ");
     answered();
   }
@@ -139,9 +139,8 @@ class TerminalSetup : public rig::SetupWorld {
   bool flash(const std::string& port) override {
     if (!options_.flash) return false;
     if (!servo_firmware_image())
-      throw Error(ExitCode::failed,
-                  "the firmware's image, servo_firmware.hex, did not come with this program", "setup",
-                  "build it: firmware_servo/README.md; then setup without --flash");
+      throw Error(ExitCode::failed, "servo_firmware.hex, the firmware's image, is not installed", "setup",
+                  "build and flash it by hand (firmware_servo/README.md), then run setup without --flash");
     rig::flash_firmware(
         {.port = port, .image = firmware_image(), .say = [this](const std::string& line) { say(line); }});
     say("flashed\n");
@@ -180,7 +179,7 @@ void check_words(const SetupOptions& options, SetupStep from) {
   if (from != SetupStep::ports && options.record.rig.simulated_seed)
     throw Error(ExitCode::bad_usage, "a simulated rig has other ports each time", "", "leave --from out");
   if (options.record.json && !options.yes)
-    throw Error(ExitCode::bad_usage, "with --json setup asks nothing", "",
+    throw Error(ExitCode::bad_usage, "setup cannot ask questions with --json", "",
                 "--yes answers each question with yes; the servo then moves without being asked");
   if (options.yes || (isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0)) return;
   throw Error(ExitCode::bad_usage, "setup asks questions, and there is no terminal to answer on", "",

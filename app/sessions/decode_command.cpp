@@ -182,8 +182,8 @@ std::string remark_on_frames(const DecodeOptions& options, const Learnt& learnt)
 
 std::string remark_on_zeros(const AutoZero& zeros) {
   return fmt::format(
-      "the rates are exactly 0 about all axes for {} samples in a row: this gyro zeroes itself at rest and "
-      "so hides its bias; switch that off in the device (WitMotion: registers 61 and 63)",
+      "the rates are exactly 0 on all axes for {} samples in a row: this gyro zeroes itself at rest and so "
+      "hides its bias; switch that off in the device (WitMotion: registers 61 and 63)",
       count_text(zeros.longest()));
 }
 

@@ -140,8 +140,8 @@ void print_written(const Written& written, bool json) {
     for (const auto& path : written.paths) object["files"].push_back(path.string());
     return print_json(object);
   }
-  print("session   {}{}\n", printable(written.session.string()),
-        written.simulated ? ": of a SIMULATED rig" : "");
+  print("session   {}\n{}", printable(written.session.string()),
+        written.simulated ? "rig       SIMULATED\n" : "");
   for (const auto& path : written.paths) print("written   {}\n", printable(path.string()));
 }
 

@@ -61,7 +61,7 @@ void print_written(const InspectOptions& options, const std::filesystem::path& s
                 {"image_every", packed.image_every}});
     return;
   }
-  print("session   {}{}\n", printable(session.string()), is_simulated(packed) ? ": of a SIMULATED rig" : "");
+  print("session   {}\n{}", printable(session.string()), is_simulated(packed) ? "rig       SIMULATED\n" : "");
   print("written   {}: {}\n", printable(options.html.string()), bytes_text(bytes));
   if (!packed.left_out.empty()) print("left out  {}\n", packed.left_out);
 }
@@ -127,8 +127,8 @@ ExitCode write_session_plots(const InspectOptions& options) {
     if (options.json)
       list.push_back({{"session", path.string()}, {"simulated", simulated}, {"plots", folder.string()}});
     else
-      print("session   {}{}\nplots     {}\n", printable(path.string()),
-            simulated ? ": of a SIMULATED rig" : "", printable(folder.string()));
+      print("session   {}\n{}plots     {}\n", printable(path.string()),
+            simulated ? "rig       SIMULATED\n" : "", printable(folder.string()));
   }
   if (options.json) print_json(list);
   return ExitCode::ok;

@@ -20,7 +20,7 @@ std::string advice_on_unit(const ThermalFrame& frame) {
   const auto [low, high] = std::minmax_element(frame.temp_c.begin(), frame.temp_c.end());
   if (*low >= 0.0F && *high <= 1.0F && *low < *high)
     return "its values lie between 0 and 1: print degrees Celsius in the sketch";
-  if (*low > 200.0F) return "its values are those of Kelvin: print degrees Celsius in the sketch";
+  if (*low > 200.0F) return "its values look like Kelvin: print degrees Celsius in the sketch";
   return "";
 }
 

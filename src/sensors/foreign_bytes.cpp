@@ -144,9 +144,8 @@ std::optional<Evidence> image_text(Bytes bytes) {
   if (!has_decimals && largest > 255.0)
     return evidence_of(
         bytes,
-        fmt::format("a picture as text of whole numbers up to {:.0f}, {} a line: nothing says what part of a "
-                    "degree they are",
-                    largest, columns),
+        fmt::format("a picture as text of whole numbers up to {:.0f}, {} a line, in an unknown unit", largest,
+                    columns),
         "print degrees Celsius with two decimals");
   if (!has_decimals)
     return evidence_of(
@@ -165,7 +164,7 @@ std::optional<Evidence> image_text(Bytes bytes) {
     return evidence_of(
         bytes,
         fmt::format(
-            "a picture as text, {} numbers a line: which {} of them are no temperatures, nothing says",
+            "a picture as text, {} numbers a line: it is not clear which {} of them are not temperatures",
             columns, columns - frame_pixels),
         "print the 768 temperatures alone in their line; a time or a count may stand before a colon in front "
         "(\"1000: 21.3, 21.4, ...\")");
@@ -374,11 +373,10 @@ std::optional<Evidence> unknown_mark(Bytes bytes) {
     if (bytes.size() < needed) return std::optional<Evidence>();
     const Run mark = mark_of(period);
     if (mark.size == 0) return std::optional<Evidence>();
-    return std::optional(
-        guess(fmt::format("{} of {} bytes, each with the mark {:02X}: a layout that is not read, or values "
-                          "that are none",
-                          what, period, fmt::join(bytes.subspan(mark.at, mark.size), " ")),
-              std::move(advice)));
+    return std::optional(guess(
+        fmt::format("{} of {} bytes, each with the mark {:02X}: an unknown layout, or impossible values",
+                    what, period, fmt::join(bytes.subspan(mark.at, mark.size), " ")),
+        std::move(advice)));
   };
   constexpr std::size_t longest_rest = 32, least_frame_bytes = 400;
   for (std::size_t period = 8; period <= 64; ++period)

@@ -215,9 +215,10 @@ std::optional<ScaleCause> grbl_scale_cause(double share, std::span<const wire::S
     }
   if (!steps || !(*steps > 0.0) || !(share > 0.0)) return std::nullopt;
   return ScaleCause{
-      fmt::format("$100 = {:.3f} is not how many steps of its motor turn the shaft by a degree", *steps),
-      fmt::format("set $100={:.3f} on the board, or what motor and gear have: steps a turn x gear / 360",
-                  *steps / share)};
+      fmt::format("$100 = {:.3f} is not the motor's steps per degree of the shaft", *steps),
+      fmt::format(
+          "set $100={:.3f} on the board, or what the motor and its gear have: steps per turn x gear / 360",
+          *steps / share)};
 }
 
 std::optional<Evidence> recognise_grbl(Bytes bytes) {
@@ -232,7 +233,7 @@ std::optional<Evidence> recognise_grbl(Bytes bytes) {
                     .text_format = {}};
   for (const wire::ServoMessage& message : messages)
     if (const auto* welcome = std::get_if<wire::ServoWelcome>(&message.body))
-      evidence.text = fmt::format("firmware {} greets", welcome->firmware);
+      evidence.text = fmt::format("servo board found (firmware {})", welcome->firmware);
   return evidence;
 }
 

@@ -21,8 +21,7 @@ constexpr double usual_noise_dps = 0.05;        // rms of an MPU-6050: PS-MPU-60
 constexpr double itg3200_counts = 1.0 / 14.375;
 constexpr double usual_frames_hz = 8.0;
 constexpr std::string_view takes_bias_off =
-    "it measures the bias as it starts, which takes it to lie still, and subtracts it: what is recorded has "
-    "that of its start taken off";
+    "it measures the bias when it starts (keep it still then) and subtracts it from what it sends";
 
 TextColumns columns(std::string_view prefix, std::array<int, 3> rate, double scale_dps) {
   return {.prefix = std::string(prefix), .rate = rate, .scale_dps = scale_dps};
@@ -232,7 +231,7 @@ std::string contradiction(const GyroProfile& profile, const TextFormat& format) 
     return fmt::format("{} prints {} ({:.6g} deg/s a unit), but these lines say {:.6g} deg/s a unit",
                        sketch->name, sketch->prints, profile.text.scale_dps, format.columns.scale_dps);
   if (!read_alike(profile.text, format.columns, format.sample_line))
-    return fmt::format("the words on these lines name other columns than those of {}", sketch->name);
+    return fmt::format("the words on these lines name other columns than {} prints", sketch->name);
   return "";
 }
 
@@ -241,9 +240,8 @@ std::string remark_on_resolution(std::size_t decimals, double scale_dps) {
   const double step_dps = std::pow(10.0, -static_cast<double>(decimals)) * scale_dps;
   if (decimals == 0 || step_dps / std::sqrt(12.0) <= usual_noise_dps) return "";
   return fmt::format(
-      "{} decimals are steps of {:.3f} deg/s, coarser than a gyro's noise ({:g} deg/s): print more of them, "
-      "such "
-      "as Serial.print(rate, 4)",
+      "{} decimals are steps of {:.3f} deg/s, coarser than a gyro's noise ({:g} deg/s): print more decimals, "
+      "such as Serial.print(rate, 4)",
       decimals, step_dps, usual_noise_dps);
 }
 
@@ -251,8 +249,8 @@ std::string remark_on_resolution(std::size_t decimals, double scale_dps) {
 static std::string remark_on_few(double rate_hz) {
   if (rate_hz >= usual_frames_hz) return "";
   return fmt::format(
-      "{:g} a second are too few samples: a frame that holds none is not valid; let it print "
-      "50 a second or more (its delay, its baud rate), and say so (output_rate_hz in [gyro] of the profile)",
+      "a rate of {:g} /s is too low: a frame without a sample is not valid; print 50 samples a second or "
+      "more (its delay, its baud rate), and set output_rate_hz in [gyro] of the profile",
       rate_hz);
 }
 

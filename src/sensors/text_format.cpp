@@ -263,7 +263,7 @@ class Recogniser {
     for (const TextTable& table : page_.tables)
       if (const std::string name = named_twice(table); is_enough(table) && !name.empty())
         return refuse(fmt::format("two of its columns are rates about one axis (\"{}\")", name),
-                      "print one of them; or fill in [gyro.text] of the profile: rate = the columns, from 0");
+                      "print only one; or fill in [gyro.text] of the profile: rate = the columns, from 0");
     if (is_of_other_things()) return refuse_other_things();
     return of_numbers(*most_frequent());
   }
@@ -515,10 +515,10 @@ class Recogniser {
     });
     format_.columns.scale_dps = format_.is_counts ? 1.0 / mpu6050_counts_per_dps : 1.0;
     say(words.empty()
-            ? "nothing says their unit"
-            : fmt::format("\"{}\" does not say their unit: a factor may stand beside it, or it is that "
-                          "of an angle",
-                          words));
+            ? "their unit is not given"
+            : fmt::format(
+                  "\"{}\" does not name their unit clearly: it has a factor, or is the unit of an angle",
+                  words));
   }
 
   void say_one_axis() {
@@ -526,8 +526,8 @@ class Recogniser {
     for (const TextTable& table : page_.tables)
       if (&table != table_ && is_enough(table) && count_of(named_rates(table)) > 0)
         others += fmt::format("{}\"{}\"", others.empty() ? "" : ", ", longest_prefix(table));
-    say("a line does not hold every axis: the others are not read" +
-        (others.empty() ? "" : "; to read another one, its prefix is " + others));
+    say("no line has every axis: lines of the other axes are not read" +
+        (others.empty() ? "" : "; to read others instead, set prefix = " + others));
   }
 
   TextFormat finish() {
@@ -544,13 +544,13 @@ class Recogniser {
       format_.refusal = "its counts have lost their sign (65535 for -1)";
       format_.advice = "keep them in an int16_t before they are printed";
     } else if (const std::string sensors = several_sensors(); !sensors.empty()) {
-      format_.refusal = fmt::format("its lines are of several sensors ({})", sensors);
-      format_.advice = "print one of them";
+      format_.refusal = fmt::format("its lines come from several sensors ({})", sensors);
+      format_.advice = "print only one";
     } else if (changes_unit()) {
       format_.refusal = "the unit on its lines changes";
       format_.advice = "print one unit, or give decode the part of the file that has it";
     } else if (reads_other_lines() || is_told_by_headings()) {
-      format_.refusal = "lines of rates and lines of other values begin alike, and nothing tells them apart";
+      format_.refusal = "lines of rates and lines of other values begin alike";
       format_.advice = "print one line a sample, or a word at the start of each kind of line";
     }
     return format_;
@@ -630,7 +630,7 @@ class Recogniser {
       if (!read_text_line(sketch.columns, format_.sample_line, room).reading) continue;
       if (!contradiction(profile, format_).empty()) continue;
       format_.sketch = sketch.name;
-      say(fmt::format("so prints {} ({})", sketch.title, sketch.name));
+      say(fmt::format("this is how {} prints ({})", sketch.title, sketch.name));
       if (!sketch.remark.empty())
         format_.remarks.push_back(fmt::format("{}: {}", sketch.title, sketch.remark));
       return;
@@ -646,16 +646,15 @@ class Recogniser {
       return;
     const double value = table_->rows.front()[static_cast<std::size_t>(first_rate())];
     format_.remarks.push_back(fmt::format(
-        "the rates never change ({:g} in {} lines): is there no sensor behind it? Check its wires and "
-        "its address",
+        "the rates never change ({:g} in {} lines): is the sensor connected? Check its wires and its address",
         value, table_->rows.size()));
   }
 
   void remark_on_sums() {
     if (page_.with_sums < rows_of_a_rest || 4 * page_.with_right_sums > page_.with_sums) return;
     format_.remarks.emplace_back(
-        "its lines end with a sum (*hh) that is not the XOR nor the sum of their characters: they are read "
-        "unchecked, and one that was damaged goes unseen");
+        "its lines end with a sum (*hh) that is neither the XOR nor the sum of their characters: they are "
+        "read unchecked, damaged ones as well");
   }
 
   void add_remark_on_resolution() {
@@ -691,7 +690,7 @@ std::string open_question(const TextFormat& format) {
                                ? "how many counts are a deg/s (131, 65.5, 32.8, 16.4 by its range)"
                                : "in which unit they are (deg/s, rad/s)";
   if (format.rates_known) return fmt::format("the columns of the rates are known, but not {}", unit);
-  return fmt::format("nothing on the lines says which columns are the rates, or {}", unit);
+  return fmt::format("the lines do not say which columns are the rates, or {}", unit);
 }
 
 std::optional<TextFormat> guess_text_format(std::span<const std::uint8_t> bytes, StreamStart start,

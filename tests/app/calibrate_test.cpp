@@ -234,11 +234,11 @@ TEST_F(CalibrateCheck, LetsARecordingGoOnWhereTheProfileHolds) {
 
 TEST_F(CalibrateCheck, IsNamedByTheDoctor) {
   EXPECT_THAT(run("doctor --world honest --simulated=3 --plan quick").out,
-              HasSubstr("no constant of this profile was measured: thermorig calibrate does that"));
+              HasSubstr("no constant of this profile is measured: `thermorig calibrate` measures them"));
   make_profile("bench.toml", 0.0);
   const std::string seen = run("doctor --world honest --simulated=3 --plan quick --rig bench.toml").out;
   EXPECT_THAT(seen, HasSubstr("camera latency measured, the oldest on "));
-  EXPECT_THAT(seen, HasSubstr("whether they still hold says thermorig calibrate check"));
+  EXPECT_THAT(seen, HasSubstr("`thermorig calibrate check` shows whether they still hold"));
 }
 
 TEST_F(CalibrateCheck, RefusesWordsThatWouldDoNothing) {
@@ -260,7 +260,7 @@ TEST_F(Calibrate, RefusesWordsThatContradictEachOther) {
   expect_refused("bias --session missing.h5", 2, "no such file");
   expect_refused("bias --session missing.h5" + fast, 2, "--session");
   expect_refused("bias --fast", 2, "--simulated=4");
-  expect_refused("bias", 2, "no port is named");
+  expect_refused("bias", 2, "no port is given");
 }
 
 }  // namespace

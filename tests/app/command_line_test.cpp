@@ -142,7 +142,8 @@ TEST_F(CommandLine, NamesTheWordThatItDoesNotKnow) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("--simulatd"));
   EXPECT_THAT(outcome.err, HasSubstr("try: did you mean --simulated? thermorig record --help"));
-  EXPECT_THAT(run("recrod").err, HasSubstr("try: did you mean record? thermorig --help"));
+  EXPECT_EQ(run("recrod").err,
+            "thermorig: there is no command \"recrod\"\n  try: did you mean record? thermorig --help\n");
   EXPECT_THAT(run("dataset biuld").err, HasSubstr("try: did you mean build? thermorig dataset --help"));
   EXPECT_THAT(run("dataset verify . --jsn").err, HasSubstr("did you mean --json? thermorig dataset verify"));
   EXPECT_THAT(run("photograph").err, HasSubstr("try: thermorig --help"));
@@ -152,6 +153,7 @@ TEST_F(CommandLine, NamesTheValueThatIsNearest) {
   EXPECT_THAT(run("record -e a --simulated-servo winsh").err, HasSubstr("did you mean \"winch\"?"));
   EXPECT_THAT(run("train --preset bst").err, HasSubstr("did you mean \"best\"?"));
   EXPECT_THAT(run("calibrate lattency").err, HasSubstr("did you mean \"latency\"?"));
+  EXPECT_THAT(run("record --simulated -e a --plan quik").err, HasSubstr("did you mean \"quick\"?"));
   // Not that --environment is missing: the slip is in the word that stands for it.
   EXPECT_THAT(run("record --enviroment a").err,
               HasSubstr("there is no option --enviroment\n  try: did you mean --environment?"));

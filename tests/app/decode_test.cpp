@@ -222,7 +222,7 @@ TEST_F(Decode, AsksForWhatTheLinesDoNotSay) {
   for (const auto& [line, question, option] :
        {std::tuple{"{{\"gx\":0.{},\"gy\":0.2,\"gz\":0.3}}", "in which unit", "57.2958 for rad/s"},
         std::tuple{"GyX = {} | GyY = 2 | GyZ = 3", "how many counts are a deg/s", "1/131, 1/65.5"},
-        std::tuple{"0.{},0.2,0.3", "nothing on the lines says which columns", "--columns 0,1,2"},
+        std::tuple{"0.{},0.2,0.3", "the lines do not say which columns", "--columns 0,1,2"},
         std::tuple{"ypr\t{}.5\t2.1\t3.2", "angles, no rates", "rates in deg/s"},
         std::tuple{"0,{};1,20;-3,50", "decimal commas", "print points"}}) {
     const Outcome outcome = run_on_text("", lines_of(line));
@@ -325,8 +325,7 @@ TEST_F(Decode, RemarksThatAGyroZeroesItself) {
   write("zeroed.bin", dump);
   const Outcome outcome = run("decode --device gyro zeroed.bin");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out,
-              HasSubstr("note  the rates are exactly 0 about all axes for 1,000 samples in a row"));
+  EXPECT_THAT(outcome.out, HasSubstr("note  the rates are exactly 0 on all axes for 1,000 samples in a row"));
   EXPECT_THAT(outcome.out, HasSubstr("hides its bias"));
 }
 

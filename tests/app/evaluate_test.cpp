@@ -164,7 +164,8 @@ TEST_F(EvaluateTest, LeavesOutSessionsOfCalibrationsAndBadOnesUnlessTheyAreNamed
   session::replace_session(file, session);
   const Outcome outcome = run("evaluate model.onnx recordings");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("left out, recorded for calibrations: recordings/garden/garden_acq-01"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("left out, recorded for calibrations:\n  recordings/garden/garden_acq-01"));
   EXPECT_THAT(outcome.out, HasSubstr("tested on 2 acquisitions"));
   EXPECT_EQ(run("evaluate model.onnx " + file.string()).code, 2);  // nothing is left
 
@@ -189,7 +190,7 @@ TEST_F(EvaluateTest, LeavesOutSessionsOfCalibrationsAndBadOnesUnlessTheyAreNamed
     EXPECT_THAT(refused.err, HasSubstr("--accept-bad"));
   }
   EXPECT_THAT(run("evaluate model.onnx recordings --accept-bad").out,
-              HasSubstr("bad, but accepted: recordings/garden/garden_acq-02"));
+              HasSubstr("bad, but accepted:\n  recordings/garden/garden_acq-02"));
   const nlohmann::json left = run("evaluate model.onnx recordings --json").lines().back();
   EXPECT_EQ(left.at("left_out").size(), 2U);
   EXPECT_EQ(left.at("bad").size(), 0U);

@@ -112,7 +112,7 @@ TEST_F(PortsThatWereHeard, SaveNoTextGyroThatIsAGuessAndSayWhichLinesToFillIn) {
   const FoundPorts bare =
       found({ports_.add(gyro_lines("{},0.5,-1.25,0.75\r\n"))}, {"./found.toml", "./found.toml"});
   const std::string text = text_of(bare);
-  EXPECT_THAT(text, HasSubstr("not taken: nothing on the lines says which columns are the rates"));
+  EXPECT_THAT(text, HasSubstr("not taken: the lines do not say which columns are the rates"));
   EXPECT_THAT(text, HasSubstr("z_column = 3  # a guess"));
   EXPECT_THAT(text, HasSubstr("scale_dps = ?  # 1 for deg/s, 57.2958 for rad/s"));
   EXPECT_EQ(bare.profile.gyro.link.port, "");

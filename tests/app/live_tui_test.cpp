@@ -108,7 +108,7 @@ TEST_F(LiveTui, ShowsTheLegAndAllRatesWithTheirErrors) {
   EXPECT_THAT(text, HasSubstr("cnn-thermal   +88.0  error    -2.0"));
   EXPECT_THAT(text, HasSubstr("cnn-fusion    +91.0  error    +1.0"));
   EXPECT_THAT(text, HasSubstr("Kg 0.25"));
-  EXPECT_THAT(text, HasSubstr("error and RMSE in deg/s"));
+  EXPECT_THAT(text, HasSubstr("rates in deg/s, angles in deg"));
   EXPECT_THAT(text, Not(HasSubstr("waiting for")));
   EXPECT_THAT(text, Not(HasSubstr("excluded: ")));
 }
@@ -125,7 +125,7 @@ TEST_F(LiveTui, SaysTheAngleOfAnEstimateOrWhyItIsNotTrusted) {
   RateEstimate& estimate = row_.estimates[0];
   estimate = {
       .rate_dps = 91.0F, .angle_deg = -123.44, .angle_sigma_deg = 0.26F, .state = EstimateState::good};
-  EXPECT_THAT(drawn(), HasSubstr("  angle -123.4 +- 0.3 deg\n"));
+  EXPECT_THAT(drawn(), HasSubstr("  angle -123.4 +- 0.3\n"));
   estimate.state = EstimateState::relocalising;
   const std::string text = drawn();
   EXPECT_THAT(text, HasSubstr("  relocalising\n"));

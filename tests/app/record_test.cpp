@@ -72,7 +72,7 @@ TEST_F(Record, TakesEveryCameraAndGyroThatCanBeSimulated) {
     std::filesystem::remove_all(folder() / "recordings");
     const Outcome outcome = run(honest_rig + word + " --plan quick");
     EXPECT_THAT(outcome.out + outcome.err, Not(HasSubstr("command contradict"))) << word;
-    const bool is_slow = outcome.out.find("too few samples") != std::string::npos;
+    const bool is_slow = outcome.out.find("/s is too low") != std::string::npos;
     EXPECT_TRUE(outcome.code == 0 || (is_slow && outcome.code == 3)) << word << outcome.err;
     EXPECT_TRUE(is_slow || run("inspect --check recordings").code == 0) << word;
     slow += is_slow ? 1 : 0;
@@ -170,7 +170,7 @@ TEST_F(Record, EndsWith3WhereMessagesWereLostAndSaysHowMany) {
           " --json");
   EXPECT_EQ(outcome.code, 3);
   const std::string message = outcome.lines().back()["message"];
-  EXPECT_THAT(message, testing::ContainsRegex("finished, but [0-9.]+ % of the camera's messages were lost"));
+  EXPECT_THAT(message, testing::ContainsRegex("complete, but [0-9.]+ % of the camera's messages were lost"));
 }
 
 TEST_F(Record, RefusesOnADryRunWhatItRefusesWhenItRecords) {
@@ -341,7 +341,7 @@ TEST_F(Record, RefusesContradictingWords) {
   expect_refused("record --simulated --camera /dev/null --environment garden", 2, "exclude each other");
   expect_refused("record --environment garden --simulated-servo 180 --camera a --gyro b --servo c", 2,
                  "--simulated");
-  expect_refused("record --environment garden", 2, "no port is named for camera, gyro, servo");
+  expect_refused("record --environment garden", 2, "no port is given for camera, gyro, servo");
   expect_refused("record --environment garden --rig nowhere.toml", 2, "nowhere.toml");
   expect_refused("record --environment garden --scene kitchen", 2, "--scene and --world need --simulated");
   expect_refused("record --fast --environment garden --camera a --gyro b --servo c", 2, "--fast");

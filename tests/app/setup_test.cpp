@@ -26,10 +26,10 @@ TEST_F(SetupCommand, RefusesStepsThatItCannotBeginWith) {
   EXPECT_THAT(run("setup --yes --from turn /dev/null").err, HasSubstr("turns"));
   const Outcome missing = run("setup --yes --from turns --save ./rig.toml /dev/null");
   EXPECT_EQ(missing.code, 2) << missing.err;
-  EXPECT_THAT(missing.err, HasSubstr("there is no such profile to go on with"));
+  EXPECT_THAT(missing.err, HasSubstr("there is no such profile"));
   const Outcome unplugged = run("setup --yes --save ./rig.toml /dev/no-such-port");
   EXPECT_EQ(unplugged.code, 4) << unplugged.err;
-  EXPECT_THAT(unplugged.err, HasSubstr("none of the ports that were named is there"));
+  EXPECT_THAT(unplugged.err, HasSubstr("none of these ports exists"));
 }
 
 /// Nobody else knows which rig was simulated, and its ports are gone: it is set up from the first step.

@@ -325,7 +325,8 @@ TEST_F(Train, LeavesOutSessionsOfCalibrationsAndBadOnesThatItFindsInAFolder) {
   session::replace_session(file, session);
   const Outcome outcome = run(small + "-o model.onnx --no-choose-epoch");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("left out, recorded for calibrations: recordings/garden/garden_acq-01"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("left out, recorded for calibrations:\n  recordings/garden/garden_acq-01"));
   const auto start = run(small + "-o again.onnx --no-choose-epoch --json").lines().at(0);
   EXPECT_EQ(start["data"]["acquisitions"], 1);
   EXPECT_EQ(start["left_out"].size(), 1U);

@@ -27,7 +27,7 @@ TEST_F(View, WritesOneFileThatHoldsThePageAndTheSession) {
   const std::string session = record_briefly().string();
   const Outcome outcome = run("inspect --html look.html " + session);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("of a SIMULATED rig"));
+  EXPECT_THAT(outcome.out, HasSubstr("rig       SIMULATED"));
   EXPECT_THAT(outcome.out, HasSubstr("written   look.html: "));
   EXPECT_THAT(outcome.out, Not(HasSubstr("left out")));
   const std::string page = file_text(folder() / "look.html");

@@ -51,7 +51,7 @@ _BIAS = r"bias[^;]*(drift|mov|change|rest|warm|temperature)|drift[^;]*bias|warms
 _SCALE = r"scale"
 _CAMERA_LATE = r"camera('s| is|'s times are)?[^;]*(late|later|earlier|latency|delay|offset)|calibrate latency"
 _HALVES = (r"camera's (messages|frames) (were lost|are missing)|lost (sub)?(page|hal)|chess hal|repeat|not fresh|stale"
-           r"|frames a second come from the camera")
+           r"|camera sends [0-9.]+ frames")
 _IMAGE = r"\bimages?\b|field of view|\blens\b|distort|optics"
 
 # Which words of a verdict name the cause, by knob: searched in any case. One that speaks of the effect alone ("gyro

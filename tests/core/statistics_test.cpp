@@ -106,6 +106,7 @@ TEST(NearestName, IsTheOneWithFewEdits) {
   EXPECT_EQ(advice_on_name("witmoton", names),
             "did you mean \"witmotion\"? one of: witmotion, text, mavlink");
   EXPECT_EQ(advice_on_name("maflink", names), "did you mean \"mavlink\"? one of: mavlink, text, witmotion");
+  EXPECT_EQ(advice_on_name("etxt", names), "did you mean \"text\"? one of: text, witmotion, mavlink");
   EXPECT_EQ(advice_on_name("tekst", names), "did you mean \"text\"? one of: text, mavlink, witmotion");
 }
 

@@ -50,7 +50,7 @@ std::vector<Misconfiguration> wrong_machines() {
        },
        "camera port", "may not be opened", "60-thermorig.rules", ExitCode::no_permission},
       {"put into the group, not logged in again", [] { return host_with(take_group_away); }, "user",
-       "does not know it yet", "log out and in again", std::nullopt},
+       "this login began before that", "log out and in again", std::nullopt},
       {"another program holds the port",
        [] {
          return host_with([](const MadeHost& host) {
@@ -158,7 +158,7 @@ std::vector<Misconfiguration> wrong_machines() {
            host.write("/proc/self/status", "Uid:\t0\t0\t0\t0\nGid:\t0\t0\t0\t0\nGroups:\t0 \n");
          });
        },
-       "user", "you are root", "a user of the group dialout", std::nullopt},
+       "user", "you are root", "a user in the group dialout", std::nullopt},
   };
 }
 
@@ -276,7 +276,7 @@ TEST(Misconfigurations, TheRulesOfThePackageKeepBrlttyOffAndNeedNoGroup) {
     return *std::find_if(checks.begin(), checks.end(),
                          [&](const Check& check) { return check.name == name; });
   };
-  EXPECT_EQ(named("brltty").result, "it takes no adapter of a rig");
+  EXPECT_EQ(named("brltty").result, "it leaves a rig's adapters alone");
   EXPECT_EQ(named("user").result, "anna may open the ports without being in the group dialout");
   EXPECT_FALSE(named("user").warning);
 }
@@ -287,7 +287,7 @@ TEST(Misconfigurations, WhereNothingIsPluggedInThatIsSaid) {
       std::find_if(checks.begin(), checks.end(), [](const Check& check) { return check.name == "ports"; });
   ASSERT_NE(ports, checks.end());
   EXPECT_EQ(ports->grade(), "warning");
-  EXPECT_THAT(ports->advice, ::testing::HasSubstr("carry data"));
+  EXPECT_THAT(ports->advice, ::testing::HasSubstr("USB data cables"));
 }
 
 TEST(Misconfigurations, OnlyASupplyThatWasOnCanBreakDown) {

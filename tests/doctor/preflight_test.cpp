@@ -103,7 +103,7 @@ TEST(Preflight, OnlyWarnsWhereItIsToldTo) {
   EXPECT_FALSE(result.preflight->passed());
   const session::Session session = session::read_session(result.session);
   const bool told = std::any_of(session.raw.events.begin(), session.raw.events.end(), [](const auto& event) {
-    return event.kind == EventKind::warning && event.message.starts_with("preflight: 100.");
+    return event.kind == EventKind::warning && event.message.starts_with("preflight: the gyro sends 100.");
   });
   EXPECT_TRUE(told);
 }
@@ -191,7 +191,7 @@ TEST(Preflight, DoesNotDiluteLossesOfJustNow) {
   const auto error = error_of(bus, waiting(folder, 120.0));
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ExitCode::check_failed);
-  EXPECT_THAT(error->what_happened(), HasSubstr("bytes belong to no good message"));
+  EXPECT_THAT(error->what_happened(), HasSubstr("bytes are in no valid message"));
 }
 
 TEST(Preflight, ListensAnewOnceADeviceThatWasAwayIsBack) {
@@ -218,7 +218,7 @@ TEST(Preflight, RefusesADeviceThatHasFallenSilent) {
   };
   const auto error = error_of(bus, waiting(folder, 20.0));
   ASSERT_TRUE(error);
-  EXPECT_THAT(error->what_happened(), HasSubstr("frames a second come from the camera"));
+  EXPECT_THAT(error->what_happened(), HasSubstr("the camera sends"));
 }
 
 TEST(Preflight, LetsRepeatedFramesPassByTheirName) {
@@ -334,7 +334,7 @@ TEST(Preflight, JudgesABiasThatWasMeasured) {
   const PreflightReport report = judge(facts, profile);
   ASSERT_EQ(report.violations.size(), 1U);
   EXPECT_EQ(report.violations[0].name, "gyro_bias");
-  EXPECT_THAT(report.violations[0].advice, HasSubstr("until it is warm"));
+  EXPECT_THAT(report.violations[0].advice, HasSubstr("a cold gyro has another bias"));
   facts.rest->mean_dps = 1.9;
   EXPECT_TRUE(judge(facts, profile).passed());
 }

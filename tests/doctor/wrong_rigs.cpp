@@ -171,7 +171,7 @@ std::vector<Misconfiguration> wrong_rigs() {
          config.world.camera.lost_subpages = 0.75;
          return rig_with(config, config.profile, [](SimulatedBus&) {});
        },
-       "preflight: camera_halves", "the camera skips", "lower frame rate", ExitCode::check_failed},
+       "preflight: camera_halves", "the camera skips", "frame rate", ExitCode::check_failed},
       {"the camera sends each frame twice",
        [] {
          return rig_with([](SimulatedBus& bus) {
@@ -183,7 +183,7 @@ std::vector<Misconfiguration> wrong_rigs() {
                });
          });
        },
-       "preflight: camera_repeats", "repeat", "lower frame rate", ExitCode::check_failed},
+       "preflight: camera_repeats", "repeat", "frame rate", ExitCode::check_failed},
       {"one half of the camera's chess pattern stands still",
        [] {
          simulation::VirtualRigConfig config = good_rig();
@@ -203,7 +203,7 @@ std::vector<Misconfiguration> wrong_rigs() {
          config.hand_turns.push_back({host_time_ns(2'000'000'000), 8.0, 40.0});
          return rig_with(config, config.profile, [](SimulatedBus&) {});
        },
-       "preflight: gyro_noise", "varies by", "leave it alone", ExitCode::check_failed},
+       "preflight: gyro_noise", "varies by", "do not touch it", ExitCode::check_failed},
       {"the servo loses every fifth answer",
        [] { return rig_with([](SimulatedBus& bus) { bus.from_device[2] = losing_every(5); }); },
        "preflight: servo_lost", "messages are missing", "cable", ExitCode::check_failed},

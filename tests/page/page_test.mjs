@@ -155,7 +155,7 @@ describe('what is shown', () => {
     assert.match(await textOf(tab, '#simulated'), /SIMULATED/);
     assert.match(await tab.title(), /RECORDING garden/);
     assert.equal(await textOf(tab, '#elapsed'), '00:12 of 05:58, 05:45 to go');
-    assert.match(await textOf(tab, '#kept'), /100 frames kept/);
+    assert.match(await textOf(tab, '#kept'), /100 frames saved/);
     assert.equal(await textOf(tab, '#disk'), '61 GB free');
     assert.ok(await tab.locator('#start').isHidden(), 'no start without --control');
     server.send(hello({ recording: false, simulated: false, run: 'b' }));
@@ -226,7 +226,7 @@ describe('what is shown', () => {
     const waiting = { phase: 'waiting', leg: 0, frames: 0, rate_dps: 0, eta_s: 27 };
     const { tab } = await page([hello({ control: true }), state(3, waiting)]);
     await until(async () => await textOf(tab, '#phase') === 'waits for Start sweep', 'what it waits for');
-    assert.equal(await textOf(tab, '#elapsed'), '00:03, 00:27 after the start');
+    assert.equal(await textOf(tab, '#elapsed'), '00:03, the sweep takes 00:27');
     server.send(hello({ run: 'at once' }), state(1, waiting));
     await until(async () => await textOf(tab, '#phase') === 'checks the devices', 'the preflight check');
     assert.equal(await textOf(tab, '#elapsed'), '00:01 of 00:28, 00:27 to go');
@@ -235,7 +235,7 @@ describe('what is shown', () => {
   test('a plan that repeats has no time to go', async () => {
     const { tab } = await page([hello({ plan: { name: 'quick', repeats: true, legs: 4, frames_per_leg: 40, expected_s: 60 } }), state(70, { eta_s: null })]);
     await until(async () => /^01:10, until it is stopped$/.test(await textOf(tab, '#elapsed')), 'the time');
-    assert.match(await textOf(tab, '#plan'), /again and again/);
+    assert.match(await textOf(tab, '#plan'), /repeated until stopped/);
   });
 
   test('a device that is waited for says for how long, and what to do', async () => {
@@ -399,7 +399,7 @@ describe('keys', () => {
     await shown(tab, 9);
     server.answer = { status: 503, body: JSON.stringify({ error: 'the loop <b>hangs</b>' }) };
     await tab.click('#stop');
-    await until(async () => /did not get through: the loop <b>hangs<\/b>/.test(await textOf(tab, '#warnings')), 'the warning');
+    await until(async () => /did not reach the program: the loop <b>hangs<\/b>/.test(await textOf(tab, '#warnings')), 'the warning');
     server.answer = { status: 204, body: '' };
     await tab.keyboard.press('Space');
     await until(async () => await textOf(tab, '#warnings') === '', 'and goes when it does');
@@ -534,7 +534,7 @@ describe('connection', () => {
     assert.equal(await tab.title(), '▲ NO DATA garden · thermorig');
     assert.equal(await textOf(tab, '#mode-word'), 'NO DATA', 'nobody knows whether it still records');
     assert.equal(await tab.getAttribute('#mode', 'data-mode'), 'silent');
-    assert.equal(await textOf(tab, '#elapsed'), 'last heard of at 00:05');
+    assert.equal(await textOf(tab, '#elapsed'), 'last data at 00:05');
     assert.equal(await textOf(tab, '#phase'), '');
     await screenshot(tab, 'no_data');
     for (let i = 0; i < 12; ++i) {  // a minute without a program, so that the waits are at their longest

@@ -158,7 +158,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     await tab.goto(await program.url());
     await shownAtLeast(tab, 60);
     assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
-    assert.match(await textOf(tab, '#kept'), /[1-9]\d* frames kept/);
+    assert.match(await textOf(tab, '#kept'), /[1-9]\d* frames saved/);
     assert.match(await textOf(tab, '#disk'), /[kMGT]B free/);
     await screenshot(tab, 'program_recording');
     await tab.keyboard.press('Space');

@@ -100,6 +100,16 @@ TEST(Page, DrawsAllLinesOfAnAngleOverTheirOwnTime) {
   EXPECT_GT(lines, 6U);
 }
 
+TEST(Page, DrawsCostsOfTheSettingsThatWereRunAlone) {
+  std::size_t bars = 0;
+  for (const auto& chart : charts_of(report::study_html(std::vector{made_result({})})))
+    if (chart["kind"] == "bars") {
+      ++bars;
+      EXPECT_EQ(chart["categories"], nlohmann::json::array({"1"}));
+    }
+  EXPECT_EQ(bars, 2U);
+}
+
 TEST(Page, CannotBeInjectedInto) {
   auto results = std::vector{made_result({.fold = hostile})};
   results[0].job.preset = results[0].job.settings = results[0].instruction_set = hostile;

@@ -144,7 +144,7 @@ TEST_P(EachServoWithAnId, IsNamedWhereItIsAnotherOne) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::device_missing);
-    EXPECT_THAT(error.what_happened(), HasSubstr("a servo of ID 1 answers, but none of ID 3"));
+    EXPECT_THAT(error.what_happened(), HasSubstr("the servo with ID 1 answers, but none with ID 3"));
   }
 }
 
@@ -198,7 +198,7 @@ TEST_F(Sts3215Rig, AnotherServoThatAnswersAlikeIsRefused) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::device_missing);
-    EXPECT_THAT(error.what_happened(), HasSubstr("no STS3215"));
+    EXPECT_THAT(error.what_happened(), HasSubstr("not an STS3215"));
   }
 }
 

@@ -113,7 +113,7 @@ TEST(ByHand, SaysWhatTheTurnsDidNotShow) {
   const RecordingResult result = record_virtual(bus, options_in(folder, 11.0));
   EXPECT_THAT(result.lacking,
               testing::ElementsAre(HasSubstr("a rest of 5 s at the end"), HasSubstr("a whole turn"),
-                                   HasSubstr("the other way, of negative rates")));
+                                   HasSubstr("the other way (negative rates)")));
 }
 
 /// Ctrl-C is how it ends where nobody says how long it lasts; a journal that a crash left gives the same.

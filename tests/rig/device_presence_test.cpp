@@ -47,7 +47,7 @@ TEST(DevicePresence, SaysThatWhatCameWasNotEnough) {
   one.await(unplugged, at_s(10.0));
   one.received(std::vector<std::uint8_t>(10'000), at_s(11.0));
   EXPECT_THAT(one.verdict(at_s(70.0))->what_happened(),
-              HasSubstr("10000 bytes came, but too few messages of the gyro"));
+              HasSubstr("10000 bytes came, with too few messages of the gyro"));
 }
 
 TEST(DevicePresence, DoneWithoutIsNotAwaited) {

@@ -123,7 +123,7 @@ TEST(Trouble, LinesThatGoOnWithAnotherColumnAreTold) {
   const auto warnings = run.told(EventKind::warning);
   EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(),
                           [](const std::string& message) {
-                            return message.find("another number of columns") != std::string::npos;
+                            return message.find("number of columns") != std::string::npos;
                           }),
             1)
       << result.message;
@@ -136,7 +136,7 @@ TEST(Trouble, EndlessGarbageEndsItWithAdvice) {
   EXPECT_EQ(result.exit, ExitCode::device_lost);
   EXPECT_THAT(result.message, AllOf(HasSubstr("but no camera frames in them"), HasSubstr("within 6 s"),
                                     HasSubstr("too few messages of the camera")));
-  EXPECT_THAT(result.advice, HasSubstr("baud rate (460800 is expected)"));
+  EXPECT_THAT(result.advice, HasSubstr("(460800 is expected)"));
 }
 
 TEST(Trouble, ACameraThatRepeatsAFrameForEverIsNoticed) {
@@ -276,7 +276,7 @@ TEST(Trouble, ACameraThatGoesBehindTheLastFrameDoesNotEndACompletePlan) {
     ASSERT_FALSE(run.bus.unplugged.empty());
     const auto warnings = run.told(EventKind::warning);
     EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& message) {
-      return message.find("behind the last frame of the plan") != std::string::npos;
+      return message.find("after the plan's last frame") != std::string::npos;
     }));
   }
 }

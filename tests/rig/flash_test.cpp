@@ -121,13 +121,13 @@ struct Unflashable {
 
 const Unflashable unflashable[] = {
     {"AnotherChip", 115200, BootFault::other_chip, ExitCode::failed,
-     "no ATmega328P, its signature is 0x1e9801", "an Uno or a Nano"},
+     "not an ATmega328P; its signature is 0x1e9801", "an Uno or a Nano"},
     {"NoBootLoader", 115200, BootFault::silent, ExitCode::failed, "no boot loader answers",
      "is it the servo's"},
     {"AnotherSpeed", 9600, BootFault::none, ExitCode::failed, "answers, but not as a boot loader",
      "Nothing was written"},
     {"APlugPulledWhileFlashing", 115200, BootFault::stops_answering, ExitCode::failed,
-     "its program is not whole", "its boot loader is still there"}};
+     "its program is incomplete", "its boot loader still works"}};
 
 class FlashFails : public Flash, public ::testing::WithParamInterface<Unflashable> {};
 
@@ -155,7 +155,7 @@ TEST_F(Flash, EndsAvrdudeFirstWhereItIsInterrupted) {
     const auto error = flash(board.path());
     ASSERT_TRUE(error);
     EXPECT_EQ(error->code(), ExitCode::interrupted);
-    EXPECT_THAT(error->what_happened(), HasSubstr("its program is not whole"));
+    EXPECT_THAT(error->what_happened(), HasSubstr("its program is incomplete"));
     EXPECT_LT(board.pages(), 76);
     EXPECT_FALSE(flash(board.path())) << "the boot loader is still there";
   }

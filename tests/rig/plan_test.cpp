@@ -137,7 +137,7 @@ TEST(SweepPlan, FileMistakesAreNamedWithTheirLine) {
   EXPECT_THAT(parse("magnitudes_dps = [nan]\n"), HasSubstr("out of range"));
   EXPECT_THAT(parse("magnitudes_dps = []\n"), HasSubstr("no speeds"));
   EXPECT_THAT(parse("name = \"x\"\n"), HasSubstr("no speeds"));
-  EXPECT_THAT(parse("min_dps = 10\nmax_dps = 20\n"), HasSubstr("not whole"));
+  EXPECT_THAT(parse("min_dps = 10\nmax_dps = 20\n"), HasSubstr("incomplete"));
   EXPECT_THAT(parse("magnitudes_dps = [40]\nmin_dps = 10\nmax_dps = 20\nstep_dps = 1\n"), HasSubstr("twice"));
   EXPECT_THAT(parse("leg_rates_dps = [40, 0]\n"), HasSubstr("speed 0"));
   EXPECT_THAT(parse("magnitudes_dps = [40]\n\norder = \"sideways\"\n"), HasSubstr("mine.toml:3"));
@@ -145,7 +145,7 @@ TEST(SweepPlan, FileMistakesAreNamedWithTheirLine) {
 }
 
 TEST(SweepPlan, UnknownNameSaysWhatThereIs) {
-  EXPECT_THAT(refusal([] { load_plan("papyrus", "kitchen", 1); }), HasSubstr("paper, table-one, quick"));
+  EXPECT_THAT(refusal([] { load_plan("papyrus", "kitchen", 1); }), HasSubstr("paper, quick, table-one"));
 }
 
 TEST(SweepPlan, ThatIsNestedDeepIsRefusedBeforeItIsParsed) {

@@ -155,7 +155,7 @@ TEST_F(Ports, SwappedPortsAreExplained) {
   const auto refused = error();
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->code(), ExitCode::device_missing);
-  EXPECT_THAT(refused->what(), HasSubstr("that is the gyro, not the camera"));
+  EXPECT_THAT(refused->what(), HasSubstr("this is the gyro, not the camera"));
 }
 
 TEST_F(Ports, TheOneThatSendsNothingIsNamed) {

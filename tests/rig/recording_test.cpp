@@ -159,7 +159,7 @@ TEST(Recording, SaysWhatCameInsteadOfTheCamera) {
   const auto error = error_of(bus, virtual_options(folder, short_plan()));
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ExitCode::device_missing);
-  EXPECT_THAT(error->what(), HasSubstr("that is the gyro, not the camera"));
+  EXPECT_THAT(error->what(), HasSubstr("this is the gyro, not the camera"));
 }
 
 TEST(Recording, AFolderThatWasThereBeforeStays) {

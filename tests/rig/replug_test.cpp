@@ -192,6 +192,7 @@ TEST(Replugged, OneThatGoesTwiceIsWaitedForTwice) {
   EXPECT_EQ(run.result.state, session::State::complete) << run.result.message;
   EXPECT_EQ(events_of(run.session.raw, EventKind::device_back).size(), 2U);
   EXPECT_EQ(run.session.sync.clock[Device::gyro].epochs.size(), 3U);
+  EXPECT_THAT(run.result.message, HasSubstr("the gyro was away 2 times for "));
 }
 
 TEST(Replugged, OneWhosePlugIsLooseDoesNotHoldItUpForEver) {
@@ -217,7 +218,7 @@ TEST(Replugged, AnotherDeviceInItsPlaceIsNamed) {
   };
   run.go();
   EXPECT_EQ(run.result.exit, ExitCode::device_lost);
-  EXPECT_THAT(run.result.message, HasSubstr("that is the gyro, not the camera"));
+  EXPECT_THAT(run.result.message, HasSubstr("so it is the gyro, not the camera"));
   EXPECT_LT(run.result.duration_s, 20.0);
 }
 

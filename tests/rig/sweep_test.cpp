@@ -226,9 +226,9 @@ TEST(Sweep, SaysHowOftenTheWatchdogTrippedInARecordingThatTookLonger) {
   VirtualOptions options;
   options.recording = recording_options(folder, simulation::default_profile(), short_plan());
   const RecordingResult result = record_virtual(bus, options);
-  EXPECT_THAT(result.message, ::testing::MatchesRegex("the plan was finished; the servo's watchdog tripped "
-                                                      "[0-9]+ times, and the legs that this cut short were "
-                                                      "driven again"));
+  EXPECT_THAT(result.message,
+              ::testing::MatchesRegex("the plan is complete; the servo's watchdog tripped [0-9]+ times, and "
+                                      "the legs that this cut short were repeated"));
   EXPECT_THAT(result.advice, ::testing::HasSubstr("too busy"));
 }
 

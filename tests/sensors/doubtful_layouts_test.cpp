@@ -219,7 +219,7 @@ TEST(DoubtfulLayouts, OfASensorThatNeverMovesAreDoubted) {
   std::string text;
   for (int i = 0; i < 20; ++i)
     text += "AcX = -1 | AcY = -1 | AcZ = -1 | Tmp = 36.53 | GyX = -1 | GyY = -1 | GyZ = -1\n";
-  EXPECT_THAT(guess(text)->remarks, Contains(HasSubstr("no sensor behind it?")));
+  EXPECT_THAT(guess(text)->remarks, Contains(HasSubstr("is the sensor connected?")));
 }
 
 TEST(DoubtfulLayouts, OfFewDecimalsAreRemarkedOnOnceWithTheCure) {

@@ -41,6 +41,7 @@ Chart cost_chart(const StudyView& view, const Cost& cost) {
   chart.label = chart.title + ":";
   json categories = json::array(), thermal = json::array(), fusion = json::array();
   for (const Setting& setting : view.reduction_sweep()) {
+    if (view.find_any(setting) == nullptr) continue;
     categories.push_back(std::to_string(setting.reduction));
     for (const bool fused : {false, true}) {
       const SettingSummary* summary = view.find(setting, fused);

@@ -24,13 +24,12 @@ Check user_check(const HostFacts& facts) {
   if (facts.is_root) {
     check.warning = true;
     check.result = "you are root: mistakes can damage the system, and recordings will be root's";
-    check.advice = fmt::format("work as a user of the group {}", group);
+    check.advice = fmt::format("log in as a user in the group {}", group);
   } else if (facts.in_group) {
     check.result = fmt::format("{} is in the group {}", user, group);
   } else if (facts.group_file_names_user) {
     check.warning = true;
-    check.result =
-        fmt::format("{} was put into the group {}, but this login does not know it yet", user, group);
+    check.result = fmt::format("{} is in the group {}, but this login began before that", user, group);
     check.advice = "log out and in again";
   } else if (facts.has_port_rules && may_open_all(facts.ports)) {
     check.result = fmt::format("{} may open the ports without being in the group {}", user, group);
@@ -82,7 +81,7 @@ Check access_failure(const PortFacts& port, const HostFacts& facts) {
     check.result += " is not there";
     check.advice = port.is_bus ? "Raspberry Pi: sudo raspi-config nonint do_i2c 0; a USB bridge: plug it in; "
                                  "sudo modprobe i2c-dev"
-                               : "check the USB cable; thermorig ports shows which ports there are";
+                               : "check the USB cable; `thermorig ports` lists the ports";
   } else if (!port.may_open) {
     check.code = ExitCode::no_permission;
     check.result += " may not be opened by this user";
@@ -130,8 +129,8 @@ Check no_port() {
   return {.name = "ports",
           .result = "no USB serial port is there: camera, gyro and servo are not plugged in",
           .advice =
-              "plug them in, by cables that carry data and not power alone; thermorig ports then shows which "
-              "is which",
+              "plug them in with USB data cables (some cables only charge); `thermorig ports` shows which is "
+              "which",
           .warning = true};
 }
 
@@ -148,7 +147,7 @@ Check braille_check(const HostFacts& facts) {
       " && sudo udevadm control --reload; then unplug the adapter and plug it in again";
   const bool kept_off = facts.braille_kept_off && facts.adapters_without_port.empty();
   if (facts.braille_adapters.empty() || kept_off) {
-    check.result = "it takes no adapter of a rig";
+    check.result = "it leaves a rig's adapters alone";
   } else if (!facts.adapters_without_port.empty()) {
     if (asked_port_is_missing(facts))
       check.code = ExitCode::device_missing;
@@ -194,7 +193,7 @@ Check clock_check(const HostFacts& facts) {
     check.advice = "a kernel with high resolution timers; look for clocksource= in /proc/cmdline";
   } else if (facts.clock_source == "acpi_pm" || facts.clock_source == "hpet") {
     check.warning = true;
-    check.result += ": each look at it takes about a microsecond, and the kernel had a reason to leave tsc";
+    check.result += ": each reading takes about a microsecond, and the kernel had a reason to leave tsc";
     check.advice = "journalctl -k | grep -i clocksource shows the reason";
   }
   return check;
@@ -202,7 +201,7 @@ Check clock_check(const HostFacts& facts) {
 
 Check governor_check(const HostFacts& facts) {
   Check check{.name = "processor",
-              .result = facts.governor.empty() ? "its speed is not governed" : facts.governor};
+              .result = facts.governor.empty() ? "no frequency governor" : facts.governor};
   if (facts.governor == "powersave" && !facts.governor_is_active_driver) {
     check.warning = true;
     check.result += ": it stays at its lowest speed";

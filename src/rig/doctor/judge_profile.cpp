@@ -34,14 +34,14 @@ Check judge_profile(const RigProfile& profile) {
   std::erase_if(assumed, [](const Constant& constant) { return !constant.second.empty(); });
   if (measured.empty())
     return {.name = "calibration",
-            .result = "no constant of this profile was measured: thermorig calibrate does that"};
+            .result = "no constant of this profile is measured: `thermorig calibrate` measures them"};
   const auto oldest = std::min_element(measured.begin(), measured.end(),
                                        [](const auto& a, const auto& b) { return a.second < b.second; });
   return {.name = "calibration",
-          .result = fmt::format("{} measured, the oldest on {}{}; whether they still hold says thermorig "
-                                "calibrate check",
-                                joined_names(measured), oldest->second.substr(0, 10),
-                                assumed.empty() ? "" : "; " + joined_names(assumed) + " assumed")};
+          .result = fmt::format(
+              "{} measured, the oldest on {}{}; `thermorig calibrate check` shows whether they still hold",
+              joined_names(measured), oldest->second.substr(0, 10),
+              assumed.empty() ? "" : "; " + joined_names(assumed) + " assumed")};
 }
 
 }  // namespace thermorig::doctor

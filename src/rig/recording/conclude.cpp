@@ -32,12 +32,23 @@ std::string names_of(const std::vector<Device>& devices) {
   return names;
 }
 
-/// "the camera was away for 12 s, the servo for 3 s"; empty if none was.
+/// "the camera was away for 12 s, the servo 5 times for 21 s in all"; empty if none was.
 std::string absences_text(const std::vector<DeviceAbsence>& absences) {
   std::string text;
-  for (const DeviceAbsence& absence : absences)
-    text += fmt::format("{}the {}{} for {:.0f} s", text.empty() ? "" : ", ", name_of(absence.device),
-                        text.empty() ? " was away" : "", std::ceil(to_s(absence.end - absence.begin)));
+  for (const Device device : all_devices) {
+    int times = 0;
+    double away_s = 0.0;
+    for (const DeviceAbsence& absence : absences)
+      if (absence.device == device) {
+        ++times;
+        away_s += to_s(absence.end - absence.begin);
+      }
+    if (times == 0) continue;
+    text += (text.empty() ? "" : ", ") +
+            fmt::format("the {}{}", name_of(device), text.empty() ? " was away" : "");
+    if (times > 1) text += fmt::format(" {} times", times);
+    text += fmt::format(" for {:.0f} s{}", std::ceil(away_s), times > 1 ? " in all" : "");
+  }
   return text;
 }
 
@@ -61,8 +72,7 @@ void say_what_interrupted(RecordingResult& result, const RecordingOutcome& outco
   }
   if (text.empty()) return;
   if (result.message.empty())
-    result.message =
-        "the plan was finished; " + text + ", and the legs that this cut short were driven again";
+    result.message = "the plan is complete; " + text + ", and the legs that this cut short were repeated";
   else
     result.message += "; " + text;
 }
@@ -80,10 +90,10 @@ std::vector<std::string> lacking_by_hand(const session::Session& session) {
     if (turned_deg < 0.0) backward_deg -= turned_deg;
   }
   if (std::max(forward_deg, backward_deg) < least_turn_deg)
-    lacking.emplace_back("a whole turn and a bit more, for the gyro's scale");
+    lacking.emplace_back("more than a whole turn, for the gyro's scale");
   if (std::min(forward_deg, backward_deg) < least_turn_deg / 4.0)
-    lacking.emplace_back(forward_deg > backward_deg ? "turns the other way, of negative rates"
-                                                    : "turns the other way, of positive rates");
+    lacking.emplace_back(forward_deg > backward_deg ? "turns the other way (negative rates)"
+                                                    : "turns the other way (positive rates)");
   return lacking;
 }
 
@@ -109,20 +119,20 @@ void say_how_it_ended(RecordingResult& result, const RecordingOutcome& outcome) 
     if (outcome.is_kept) result.message += "; everything up to then is in the session";
   } else if (!outcome.gone.empty()) {
     result.exit = ExitCode::finished_lossy;
-    result.message = "the plan was finished, in part without the " + names_of(outcome.gone);
+    result.message = "the plan is complete, in part without the " + names_of(outcome.gone);
     result.advice = outcome.gone_advice;
   } else if (result.quality.verdict == "bad") {
     result.exit = ExitCode::finished_lossy;
-    result.message = "the plan was finished, but its quality is bad";
+    result.message = "the plan is complete, but its quality is bad";
     result.advice = "thermorig inspect " + shell_word(result.session.string());
   } else if (const auto wanting = count_short(result.speeds); wanting > 0) {
     result.exit = ExitCode::finished_lossy;
-    result.message = fmt::format("the plan was finished, but {} of {} speeds have too few valid frames",
+    result.message = fmt::format("the plan is complete, but {} of {} speeds have too few valid frames",
                                  wanting, result.speeds.size());
     if (outcome.is_kept) result.advice = "thermorig inspect " + shell_word(result.session.string());
   } else if (const std::string losses = losses_of(result.quality); !losses.empty()) {
     result.exit = ExitCode::finished_lossy;
-    result.message = "the plan was finished, but " + losses;
+    result.message = "the plan is complete, but " + losses;
     result.advice = "thermorig inspect " + shell_word(result.session.string());
   }
 }

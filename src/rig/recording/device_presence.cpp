@@ -92,7 +92,7 @@ std::optional<Error> DevicePresence::verdict(HostTime now) const {
 
 Error DevicePresence::place_taken(const Evidence& evidence) const {
   return {ExitCode::device_lost,
-          fmt::format("another device is on its port now: it sends {}, that is the {}, not the {}",
+          fmt::format("another device is on its port now: it sends {}, so it is the {}, not the {}",
                       evidence.found.text, name_of(*evidence.role), name_of(device_)),
           place_, "plug each device into its own port again, then record again"};
 }
@@ -101,7 +101,7 @@ Error DevicePresence::overdue() const {
   std::string what =
       fmt::format("{}, and it did not come back within {:.0f} s", why_->what_happened(), patience_s_);
   if (first_bytes_.count() > 0)
-    what += fmt::format(" ({} bytes came, but too few messages of the {} in them)", first_bytes_.count(),
+    what += fmt::format(" ({} bytes came, with too few messages of the {})", first_bytes_.count(),
                         name_of(device_));
   return {ExitCode::device_lost, what, place_, why_->advice()};
 }

@@ -29,7 +29,7 @@ std::string what_it_sends(Device device) {
 
 Error other_role(Device device, const Evidence& evidence, ExitCode code, const std::string& where) {
   return {code,
-          fmt::format("it sends {}: that is the {}, not the {}", evidence.found.text, name_of(*evidence.role),
+          fmt::format("it sends {}: this is the {}, not the {}", evidence.found.text, name_of(*evidence.role),
                       name_of(device)),
           where, "`thermorig ports` finds the right port of each device"};
 }
@@ -37,9 +37,9 @@ Error other_role(Device device, const Evidence& evidence, ExitCode code, const s
 Error other_protocol(Device device, const Evidence& evidence, std::string_view expected,
                      const std::string& where) {
   return {ExitCode::device_missing,
-          fmt::format("it sends {}, where the rig profile expects {}", evidence.found.text, expected), where,
-          fmt::format("say protocol = \"{}\" in the [{}] section of the rig profile{}; "
-                      "`thermorig ports --save NAME` writes one",
+          fmt::format("it sends {}, but the rig profile expects {}", evidence.found.text, expected), where,
+          fmt::format("set protocol = \"{}\" in the [{}] section of the rig profile{}; `thermorig ports "
+                      "--save NAME` writes one",
                       evidence.protocol, name_of(device),
                       evidence.found.text_format ? ", and which columns hold the rates" : "")};
 }
@@ -59,7 +59,7 @@ Error silent_device(Device device, const RigProfile& profile, const FirstBytes& 
   if (bytes.count() == 0)
     return {ExitCode::device_missing,
             device == Device::servo ? "it does not answer hello" : "it sends nothing", where,
-            "check power and cable; `thermorig ports` shows which port speaks"};
+            "check power and cable; `thermorig ports` shows which ports send data"};
   const Evidence evidence = classify(bytes.kept());
   if (evidence.role && *evidence.role != device)
     return other_role(device, evidence, ExitCode::device_missing, where);
@@ -69,32 +69,33 @@ Error silent_device(Device device, const RigProfile& profile, const FirstBytes& 
   const auto id = evidence.found.settings.find("bus_id");
   if (device == Device::servo && id != evidence.found.settings.end() && id->second != profile.servo.bus_id)
     return {ExitCode::device_missing,
-            fmt::format("a servo of ID {:.0f} answers, but none of ID {}", id->second, profile.servo.bus_id),
-            where, fmt::format("say bus_id = {:.0f} in the [servo] section of the rig profile", id->second)};
+            fmt::format("the servo with ID {:.0f} answers, but none with ID {}", id->second,
+                        profile.servo.bus_id),
+            where, fmt::format("set bus_id = {:.0f} in the [servo] section of the rig profile", id->second)};
   if (!evidence.found.advice.empty())
     return {ExitCode::device_missing, "it sends " + evidence.found.text, where, evidence.found.advice};
   if (evidence.role == device && evidence.found.text_format) {
     const std::string why = sensors::contradiction(profile.gyro, *evidence.found.text_format);
     if (!why.empty())
       return {ExitCode::device_missing,
-              fmt::format("{}; one is: {}", why, evidence.found.text_format->sample_line), where,
-              "thermorig ports --save NEW_NAME takes what the lines say; or change the sketch"};
+              fmt::format("{}; for example: {}", why, evidence.found.text_format->sample_line), where,
+              "`thermorig ports --save NEW_NAME` writes a profile for these lines; or change the sketch"};
     return {ExitCode::device_missing,
-            fmt::format("its lines are not read as [gyro.text] of the profile says; one is: {}",
+            fmt::format("its lines do not fit [gyro.text] of the rig profile; for example: {}",
                         evidence.found.text_format->sample_line),
-            where, "thermorig ports --save NEW_NAME takes what the lines say; or mend [gyro.text]"};
+            where,
+            "`thermorig ports --save NEW_NAME` writes a profile for these lines; or correct [gyro.text]"};
   }
   if (evidence.role == device && evidence.found.is_asked_otherwise)
     return {
         ExitCode::device_missing,
-        fmt::format("it was asked for {}, and goes on with {}", expected.sends, evidence.found.text), where,
-        fmt::format("connect the wire on which it hears (its RX); or record these: {} in [gyro.{}] of the "
-                    "profile",
+        fmt::format("it was asked for {}, but still sends {}", expected.sends, evidence.found.text), where,
+        fmt::format("connect its RX wire; or record what it sends: set {} in [gyro.{}] of the rig profile",
                     settings_text(evidence.found.settings), evidence.protocol)};
   if (evidence.role == device && !evidence.found.settings.empty())
     return {ExitCode::device_missing,
             fmt::format("it sends {}, which the rig profile does not ask for", evidence.found.text), where,
-            fmt::format("say {} in [gyro.{}] of the profile; thermorig ports --save NEW_NAME does",
+            fmt::format("set {} in [gyro.{}] of the rig profile; `thermorig ports --save NEW_NAME` does that",
                         settings_text(evidence.found.settings), evidence.protocol)};
   return {ExitCode::device_missing,
           fmt::format("it sends {} bytes, but no {} in them", bytes.count(), what_it_sends(device)), where,
@@ -112,17 +113,16 @@ Error unreadable_device(Device device, const RigProfile& profile, const FirstByt
     return {ExitCode::device_lost, "it now sends " + evidence.found.text, where, evidence.found.advice};
   if (evidence.role == device && evidence.found.text_format)
     return {ExitCode::device_lost,
-            fmt::format("its lines have changed: {} columns behind \"{}\", which [gyro.text] does not read",
+            fmt::format("its lines have changed: now {} columns after \"{}\", which do not fit [gyro.text]",
                         evidence.found.text_format->fields, evidence.found.text_format->columns.prefix),
             where, "make it print the same lines throughout"};
-  return {
-      ExitCode::device_lost,
-      fmt::format("for {:.1f} s it has sent {} bytes, but no {} in them", span_s, bytes.count(),
-                  what_it_sends(device)),
-      where,
-      fmt::format("something changed its baud rate ({} is expected), or it hangs: unplug it and plug it in "
-                  "again",
-                  profile.link(device).baud)};
+  return {ExitCode::device_lost,
+          fmt::format("for {:.1f} s it has sent {} bytes, but no {} in them", span_s, bytes.count(),
+                      what_it_sends(device)),
+          where,
+          fmt::format(
+              "its baud rate may have changed ({} is expected), or it hangs: unplug it and plug it in again",
+              profile.link(device).baud)};
 }
 
 /// Where another program has the port open as well, it gets the bytes that are missed.
@@ -170,7 +170,7 @@ double DeviceWatch::patience_s(Device device) const {
 std::optional<Error> DeviceWatch::trouble(Device device, HostTime now) const {
   if (const auto& frozen = frozen_.trouble(device))
     return Error(ExitCode::device_lost, *frozen, place_of(device, profile_),
-                 "unplug it and plug it in again, so that it starts anew");
+                 "unplug it and plug it in again");
   const double silent_s = to_s(now - meters_[device].last().value_or(begin_));
   if (silent_s <= patience_s(device)) return std::nullopt;
   return with_reader(silence(device, silent_s), profile_.link(device).port);
@@ -180,7 +180,7 @@ Error DeviceWatch::silence(Device device, double silent_s) const {
   const FirstBytes& bytes = first_bytes_[device];
   if (!has_spoken(device)) return silent_device(device, profile_, bytes);
   if (bytes.count() > 0) return unreadable_device(device, profile_, bytes, silent_s);
-  return {ExitCode::device_lost, fmt::format("nothing has come from it for {:.1f} s", silent_s),
+  return {ExitCode::device_lost, fmt::format("it has sent nothing for {:.1f} s", silent_s),
           place_of(device, profile_), "check cable and power, then record again"};
 }
 

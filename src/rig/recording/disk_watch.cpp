@@ -35,13 +35,12 @@ bool is_of_disk(const LateSync& late, HostDuration period) {
 }
 
 std::string text_of(const LateSync& late, HostDuration period) {
-  const std::string cause =
-      is_of_disk(late, period)
-          ? fmt::format("the disk is slow: a sync took {:.0f} ms", to_s(late.lasted) * 1e3)
-          : std::string("this computer is busy: a sync ended late");
-  return fmt::format(
-      "{}; what came in the last {:.0f} ms is on the disk only now (a power cut would have lost it)", cause,
-      to_s(late.waited) * 1e3);
+  const std::string cause = is_of_disk(late, period)
+                                ? fmt::format("the disk is slow: a sync took {:.0f} ms (limit {:.0f})",
+                                              to_s(late.lasted) * 1e3, to_s(period) * 1e3)
+                                : std::string("this computer is busy: a sync came late");
+  return fmt::format("{}; data of {:.0f} ms was not on the disk (a power cut would have lost it)", cause,
+                     to_s(late.waited) * 1e3);
 }
 
 }  // namespace
@@ -50,8 +49,8 @@ void require_space(files::Disk& disk, const std::filesystem::path& path, std::ui
   const auto free = disk.free_bytes(files::folder_of(path));
   if (!free.good() || free.value >= needed) return;  // unknown: let the writes tell
   throw Error(ExitCode::storage,
-              fmt::format("not enough space for the recording and the session that is made of it: {:.1f} MB "
-                          "needed, {:.1f} MB free, {:.1f} MB missing",
+              fmt::format("not enough space for the recording and its session: {:.1f} MB needed, {:.1f} MB "
+                          "free, {:.1f} MB missing",
                           megabytes(needed), megabytes(free.value), megabytes(needed - free.value)),
               path.string(), "free some space, or record to another disk with --output");
 }
@@ -88,10 +87,9 @@ void DiskWatch::look_at_reserve(HostTime now, std::vector<RecordingEvent>& said)
   }
   if (std::exchange(reserve_told_, true)) return;
   const std::uint64_t left = journal_.reserved() - std::min(journal_.reserved(), journal_.bytes_written());
-  said.push_back(
-      warning(now, fmt::format("the disk is nearly full: the recording has {:.1f} MB reserved that are "
-                               "not used up, and there is no room to reserve more",
-                               megabytes(left))));
+  said.push_back(warning(now, fmt::format("the disk is nearly full: {:.1f} MB are left of what is reserved "
+                                          "for the recording, and no more can be reserved",
+                                          megabytes(left))));
 }
 
 void DiskWatch::look_at_space(HostTime now, std::vector<RecordingEvent>& said) {
@@ -104,11 +102,10 @@ void DiskWatch::look_at_space(HostTime now, std::vector<RecordingEvent>& said) {
     return;
   }
   if (std::exchange(space_told_, true)) return;
-  said.push_back(
-      warning(now, fmt::format("the disk is nearly full: {:.1f} MB are free, where the session that is "
-                               "made at the end{} needs up to {:.1f} MB",
-                               megabytes(free), unwritten > 0 ? " and the rest of the recording" : "",
-                               megabytes(needed))));
+  said.push_back(warning(
+      now, fmt::format("the disk is nearly full: {:.1f} MB are free, but the session{} needs up to {:.1f} MB",
+                       megabytes(free), unwritten > 0 ? " and the rest of the recording" : "",
+                       megabytes(needed))));
 }
 
 }  // namespace thermorig::rig

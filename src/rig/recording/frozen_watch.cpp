@@ -24,8 +24,8 @@ constexpr std::ptrdiff_t lively_axes = 2;
 
 std::string gyro_text(const GyroReading& reading) {
   if (reading.is_zero())
-    return "it has read exactly 0 for 1 s while the servo was told to turn: it hangs, or the servo does not "
-           "turn";
+    return "it has read exactly 0 for 1 s while the servo was commanded to turn: it hangs, or the servo does "
+           "not turn";
   return "it has sent the same sample for 1 s while the servo turned: it hangs";
 }
 

@@ -157,7 +157,7 @@ void PortSession::open_ports() {
     const bool needed = device == Device::servo || options_.recording.needed[device];
     if (!needed && options_.recording.profile.link(device).port.empty()) {
       missing_.emplace_back(
-          device, Error(ExitCode::device_missing, "no port is named for it", std::string(name_of(device)),
+          device, Error(ExitCode::device_missing, "no port is given for it", std::string(name_of(device)),
                         fmt::format("--{} PORT, or a rig profile that names it", name_of(device))));
       continue;
     }

@@ -22,17 +22,14 @@ std::string what_is_sent(Device device) {
 
 std::string_view rate_advice(Device device, bool slow) {
   if (device == Device::camera)
-    return "it was asked for the profile's rate and does not send it: say the rate that it has "
-           "(--camera-rate, output_rate_hz in the rig profile); a link that is too slow for the rate gives "
-           "fewer frames as well";
+    return "the camera does not send at the profile's rate: set the rate that it has (--camera-rate, or "
+           "output_rate_hz in the rig profile); a link that is too slow loses frames, too";
   if (device == Device::gyro)
-    return slow ? "say the rate that the gyro was set to (output_rate_hz in the rig profile), or set the "
-                  "gyro; "
-                  "at 9600 baud not more than 87 samples a second go through"
-                : "say the rate that the gyro was set to (output_rate_hz in the rig profile)";
-  return "reflash the servo's board with the firmware of this program (firmware_servo); end programs that "
-         "keep "
-         "this computer busy";
+    return slow ? "set output_rate_hz in the rig profile to the gyro's rate, or change the gyro's; 9600 baud "
+                  "carry at most 87 samples a second"
+                : "set output_rate_hz in the rig profile to the gyro's rate";
+  return "reflash the servo board with this program's firmware (firmware_servo); end programs that keep this "
+         "computer busy";
 }
 
 PreflightViolation lost_messages(Device device, const PreflightStream& stream, double limit) {
@@ -57,11 +54,10 @@ void judge_rate(Device device, const PreflightStream& stream, const PreflightLim
   const double low_hz = limits.rate_low * stream.nominal_hz;
   const double high_hz = limits.rate_high * stream.nominal_hz;
   if (due_hz(device, stream) >= low_hz && stream.rate_hz <= high_hz) return;
-  found.push_back(
-      {name + "_rate", device,
-       fmt::format("{:.1f} {} a second come from the {}", stream.rate_hz, what_is_sent(device), name),
-       fmt::format("{:.4g} to {:.4g} (nominal {:.4g})", low_hz, high_hz, stream.nominal_hz),
-       std::string(rate_advice(device, stream.rate_hz < low_hz))});
+  found.push_back({name + "_rate", device,
+                   fmt::format("the {} sends {:.1f} {} a second", name, stream.rate_hz, what_is_sent(device)),
+                   fmt::format("{:.4g} to {:.4g} (nominal {:.4g})", low_hz, high_hz, stream.nominal_hz),
+                   std::string(rate_advice(device, stream.rate_hz < low_hz))});
 }
 
 void judge_stream(Device device, const PreflightStream& stream, const PreflightLimits& limits,
@@ -69,18 +65,18 @@ void judge_stream(Device device, const PreflightStream& stream, const PreflightL
   const std::string name(name_of(device));
   if (stream.damaged_share > limits.damaged_share)
     found.push_back({name + "_damaged", device,
-                     fmt::format("{:.1f} % of the {}'s bytes belong to no good message",
+                     fmt::format("{:.1f} % of the {}'s bytes are in no valid message",
                                  100.0 * stream.damaged_share, name),
                      fmt::format("at most {:.1f} %", 100.0 * limits.damaged_share),
-                     "another cable, a shorter one; check the baud rate (thermorig ports), and that no other "
-                     "program reads this port"});
+                     "a shorter cable; check the baud rate (thermorig ports), and that no other program "
+                     "reads this port"});
   if (stream.uncertainty_s > limits.uncertainty_s[device])
     found.push_back({name + "_clock", device,
-                     fmt::format("the times of the {}'s {} are known to {:.1f} ms", name,
+                     fmt::format("the times of the {}'s {} are known to {:.1f} ms only", name,
                                  what_is_sent(device), 1e3 * stream.uncertainty_s),
                      fmt::format("at most {:.1f} ms", 1e3 * limits.uncertainty_s[device]),
                      "end programs that keep this computer busy; a USB port without a hub; thermorig doctor "
-                     "looks at latency timers"});
+                     "checks latency timers"});
 }
 
 /// A bridge that misses halves, or repeats frames, does so by chance: of a few seconds' frames a few prove
@@ -90,20 +86,19 @@ double by_chance(double share, std::uint64_t count) {
 }
 
 PreflightViolation repeated_frames(const PreflightImages& images, double limit) {
-  return {
-      "camera_repeats", Device::camera,
-      fmt::format("{:.0f} % of the frames repeat what the one before showed", 100.0 * images.repeated_share),
-      fmt::format("at most {:.0f} %", 100.0 * limit),
-      "ask the camera for a lower frame rate: its bridge sends more often than its sensor measures; or "
-      "switch it off and on"};
+  return {"camera_repeats", Device::camera,
+          fmt::format("{:.0f} % of the frames repeat the one before", 100.0 * images.repeated_share),
+          fmt::format("at most {:.0f} %", 100.0 * limit),
+          "lower the camera's frame rate (its bridge sends more often than its sensor measures), or switch "
+          "it off and on"};
 }
 
 PreflightViolation lost_halves(const PreflightImages& images, double limit) {
   return {"camera_halves", Device::camera,
           fmt::format("the camera skips {:.1f} % of the half-frames", 100.0 * images.lost_half_share),
           fmt::format("at most {:.0f} %", 100.0 * limit),
-          "ask the camera for a lower frame rate, and say it (--camera-rate, output_rate_hz in the "
-          "rig profile): its bridge does not keep up with its sensor; no other cable helps"};
+          "lower the camera's frame rate (--camera-rate, output_rate_hz in the rig profile): its bridge is "
+          "too slow for its sensor; another cable does not help"};
 }
 
 /// Those that came and those that did not.
@@ -133,8 +128,8 @@ void judge_images(const PreflightImages& images, const PreflightLimits& limits, 
          fmt::format("the even and the odd half-frame are new in {:.0f} % and {:.0f} % of the frames",
                      100.0 * images.even_fresh_share, 100.0 * images.odd_fresh_share),
          fmt::format("each in at least {:.0f} %", 100.0 * limits.fresh_share),
-         "set the camera's frame rate again and switch it off and on; a bridge that sends more "
-         "often than its sensor measures repeats frames"});
+         "set the camera's frame rate again, and switch it off and on; a bridge that sends more often than "
+         "its sensor measures repeats frames"});
   else if (is_surely_above(images.lost_half_share, all_due(images.frames, images.lost_half_share),
                            limits.lost_half_share))
     found.push_back(lost_halves(images, limits.lost_half_share));
@@ -184,9 +179,8 @@ void judge_losses(Device device, const PreflightStream& stream, const PreflightL
 void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const PreflightLimits& limits,
                 Violations& found) {
   const std::string stand_still =
-      "let the rig stand on something firm and leave it alone until the sweep begins; a motor or a fan "
-      "beside "
-      "it shakes it; a gyro that sends counts is as noisy: check its unit";
+      "put the rig on something firm and do not touch it until the sweep begins; a motor or a fan nearby can "
+      "shake it; counts that are read as deg/s look like this, too: check the gyro's unit";
   if (rest.noise_dps > limits.noise_dps)
     found.push_back({"gyro_noise", Device::gyro,
                      fmt::format("the gyro's rate varies by {:.2f} deg/s at rest", rest.noise_dps),
@@ -200,13 +194,12 @@ void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const Prefli
   const double limit_dps = limits.bias_deviations * gyro.bias_uncertainty_dps;
   if (!rest.zeroes_itself && !gyro.bias_measured_utc.empty() &&
       off_dps > std::max(limit_dps, limits.swing_dps))
-    found.push_back(
-        {"gyro_bias", Device::gyro,
-         fmt::format("the gyro shows {:.2f} deg/s at rest, its bias was measured as {:.2f}", rest.mean_dps,
-                     gyro.bias_dps),
-         fmt::format("within {:.2f} deg/s of it", std::max(limit_dps, limits.swing_dps)),
-         "let the rig stand still; a gyro that was switched on just now has another bias until it is "
-         "warm: wait some minutes; then thermorig calibrate bias"});
+    found.push_back({"gyro_bias", Device::gyro,
+                     fmt::format("the gyro shows {:.2f} deg/s at rest, but its measured bias is {:.2f}",
+                                 rest.mean_dps, gyro.bias_dps),
+                     fmt::format("within {:.2f} deg/s of it", std::max(limit_dps, limits.swing_dps)),
+                     "keep the rig still; a cold gyro has another bias: wait some minutes, then `thermorig "
+                     "calibrate bias`"});
 }
 
 void warn_of_rest(const PreflightRest& rest, const PreflightLimits& limits, Violations& warnings) {
@@ -215,11 +208,11 @@ void warn_of_rest(const PreflightRest& rest, const PreflightLimits& limits, Viol
         {"gyro_unit", Device::gyro,
          fmt::format("the gyro's rate varies by only {:.4f} deg/s at rest", rest.noise_dps),
          fmt::format("at least {:.3f} deg/s", limits.least_noise_dps),
-         "check its unit (rad/s read as deg/s?) and how many decimals it sends: no such gyro is so quiet"});
+         "no such gyro is so quiet: check its unit (rad/s read as deg/s?) and how many decimals it sends"});
   if (rest.zeroes_itself)
     warnings.push_back(
         {"gyro_zeroes", Device::gyro,
-         "the gyro zeroes itself at rest and so hides its bias: it reads exactly 0 about all axes",
+         "the gyro zeroes itself at rest and so hides its bias: it reads exactly 0 on all axes",
          fmt::format("fewer than {} such samples in a row", AutoZero::fewest_zeros),
          "switch that off in the device (WitMotion: registers 61 and 63)"});
 }
@@ -236,7 +229,7 @@ void warn_of_times(const PreflightStream& stream, const GyroProfile& gyro, Viola
                      ? "time_column = -1 in [gyro.text] of the rig profile, or print the time at "
                        "which each sample was taken"
                      : "have the device stamp each sample when it is taken",
-       .consequence = "its times are not used, samples are counted"});
+       .consequence = "its times are not used; samples are counted instead"});
 }
 
 void judge_answers(const PreflightAnswers& answers, const ServoProfile& servo, const PreflightLimits& limits,
@@ -253,7 +246,7 @@ void judge_answers(const PreflightAnswers& answers, const ServoProfile& servo, c
     found.push_back({"servo_answers", Device::servo,
                      fmt::format("the servo answered {} of {} requests", answers.answered, answers.requests),
                      fmt::format("at least {:.0f} %", 100.0 * limits.answered_share),
-                     "another cable, a shorter one; check the supply of the servo's board"});
+                     "a shorter cable; check the supply of the servo's board"});
   if (answers.round_trip_s > limits.round_trip_s)
     found.push_back({"servo_round_trip", Device::servo,
                      fmt::format("the servo's answers take {:.0f} ms", 1e3 * answers.round_trip_s),

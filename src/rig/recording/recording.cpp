@@ -95,8 +95,7 @@ void Recording::Parts::note_layout(HostTime now) {
   if (changes < layout_changes_to_say) return;
   layout_changes_to_say = 2 * changes;
   event({now, EventKind::warning, Device::gyro,
-         "the gyro's lines go on with another number of columns: they may mean something else from here on; "
-         "try: "
+         "the number of columns on the gyro's lines has changed: they may mean something else now; try: "
          "thermorig decode --device gyro on what it prints"});
 }
 
@@ -235,7 +234,7 @@ void Recording::request_stop(HostTime now, const std::string& who) {
   parts.event({now, EventKind::stopped, std::nullopt,
                who.empty() ? "stopped on request" : "stopped on request of " + who});
   if (parts.options.plan.ends_by_stop())
-    parts.event({now, EventKind::finished, std::nullopt, "it was to last until it was stopped"});
+    parts.event({now, EventKind::finished, std::nullopt, "complete: this plan runs until it is stopped"});
   const DevicePresence& servo = parts.presence[Device::servo];
   if (servo.is_awaited()) {
     // It may be there and not have answered yet: the byte alone can be sent.
@@ -338,7 +337,7 @@ SessionFile Recording::close(HostTime now) {
   if (set_ns != 0)
     parts.event({now, EventKind::warning, std::nullopt,
                  fmt::format("the computer's clock was set by {:+.1f} s during the recording: the session's "
-                             "name and start are by the new time; intervals are right",
+                             "name and start use the new time; intervals are correct",
                              1e-9 * static_cast<double>(set_ns))});
   parts.close(now);
   if (set_ns == 0 || !parts.options.keep) return file();

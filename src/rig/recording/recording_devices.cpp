@@ -31,9 +31,8 @@ void Recording::Parts::lose(Device device, const Error& error, HostTime now, boo
   const bool is_needed = device == Device::servo || options.needed[device];
   if (device != Device::servo && sweep.phase() == SweepPhase::halting && !end.is_coming()) {
     gone.forgo();
-    return event(
-        {now, EventKind::warning, device,
-         fmt::format("{}: {}, behind the last frame of the plan", error.where(), error.what_happened())});
+    return event({now, EventKind::warning, device,
+                  fmt::format("{}: {}, after the plan's last frame", error.where(), error.what_happened())});
   }
   const bool all_gone =
       presence[Device::camera].is_done_without() || presence[Device::gyro].is_done_without();
@@ -121,7 +120,7 @@ void Recording::Parts::note_back(Device device, HostTime now) {
   const HostTime since = presence[device].come_back();
   absences.push_back({device, since, now});
   event({now, EventKind::device_back, device,
-         fmt::format("{}: it is back after {:.1f} s; its clock begins anew",
+         fmt::format("{}: it is back after {:.1f} s; its clock starts again",
                      place_of(device, options.profile), to_s(now - since))});
 }
 

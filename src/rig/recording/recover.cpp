@@ -49,7 +49,7 @@ RecoveryResult describe(RecoveryKind kind, const std::filesystem::path& source,
 bool is_there(const std::filesystem::path& path, files::Disk& disk) {
   const auto there = disk.look(path);
   if (!there.good())
-    throw Error(ExitCode::storage, std::string("cannot be looked at: ") + std::strerror(there.error_number),
+    throw Error(ExitCode::storage, std::string("cannot be read: ") + std::strerror(there.error_number),
                 path.string(), "check its permissions and the disk (dmesg)");
   return there.value != files::FileKind::missing;
 }
@@ -123,12 +123,11 @@ RecoveryResult remove_empty(const std::filesystem::path& journal, bool is_ours, 
     return {.kind = RecoveryKind::in_use,
             .source = journal,
             .message =
-                "nothing is recorded in it, and this file system cannot tell whether a program is about "
-                "to: left as it is"};
+                "it is empty, and this file system does not show whether a program uses it: left as it is"};
   retire_journal(journal, disk);
   return {.kind = RecoveryKind::empty,
           .source = journal,
-          .message = "nothing had been recorded in it when its program ended: removed"};
+          .message = "it is empty (its program ended before it recorded): removed"};
 }
 
 /// `is_ours`: nobody is still writing the journal.
@@ -186,8 +185,8 @@ std::optional<RecoveryResult> try_to_recover(const std::filesystem::path& journa
   } catch (const Error& error) {
     return failed(journal, error);
   } catch (const std::bad_alloc&) {
-    return failed(journal, Error(ExitCode::failed, "there is not enough memory to make its session",
-                                 journal.string(), ""));
+    return failed(journal,
+                  Error(ExitCode::failed, "not enough memory to make its session", journal.string(), ""));
   } catch (const std::exception& error) {
     return failed(journal, Error(ExitCode::failed, error.what(), journal.string(), ""));
   }

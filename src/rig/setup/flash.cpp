@@ -127,7 +127,7 @@ class Avrdude {
  private:
   [[noreturn]] static void throw_not_run(const std::string& program, int error_number) {
     if (error_number == ENOENT)
-      throw Error(ExitCode::failed, "avrdude, which flashes boards, is not installed", program,
+      throw Error(ExitCode::failed, "avrdude, which flashes the board, is not installed", program,
                   "sudo apt-get install avrdude; nothing was written to the board");
     throw Error(ExitCode::failed, "avrdude cannot be run: " + std::generic_category().message(error_number),
                 program, "nothing was written to the board");
@@ -210,7 +210,7 @@ std::string signature_of(const FlashRun& run) {
 }
 
 /// Of a board that was written to in part its boot loader is still there: it cannot overwrite itself.
-constexpr const char* flash_again = "its boot loader is still there: plug it in again and repeat this";
+constexpr const char* flash_again = "its boot loader still works: plug it in again and repeat this";
 
 /// Why the board was not flashed, in so far as the other speed cannot help. Nothing: its boot loader was not
 /// heard.
@@ -218,30 +218,30 @@ std::optional<Error> flash_error(const FlashRun& run, const std::string& port) {
   const bool has_written = says(run, "Writing |");
   if (run.is_interrupted)
     return Error(ExitCode::interrupted,
-                 has_written ? "stopped while the board was being flashed: its program is not whole"
-                             : "stopped before the board was flashed: it is as it was",
+                 has_written ? "stopped while the board was being flashed: its program is incomplete"
+                             : "stopped before the board was flashed: it is unchanged",
                  port, has_written ? flash_again : "");
   if (says(run, "expected signature"))
     return Error(ExitCode::failed,
-                 fmt::format("the board's chip is no ATmega328P, its signature is {}", signature_of(run)),
+                 fmt::format("the board's chip is not an ATmega328P; its signature is {}", signature_of(run)),
                  port, "the firmware is for an Uno or a Nano with an ATmega328P; nothing was written");
   if (has_written && says(run, "verif") && says(run, "mismatch"))
-    return Error(ExitCode::failed, "the board does not hold what was written to it", port,
-                 "flash it once more; if it stays so, its memory is worn: take another board");
+    return Error(ExitCode::failed, "the board's memory differs from what was written", port,
+                 "flash it again; if that fails, its memory is worn out: use another board");
   if (has_written)
     return Error(ExitCode::failed,
-                 "the board fell silent while it was being flashed: its program is not whole", port,
+                 "the board stopped answering while it was being flashed: its program is incomplete", port,
                  flash_again);
   for (const char* words : {"Permission denied", "resource busy"})
     if (says(run, words))
       return Error(ExitCode::no_permission, fmt::format("avrdude cannot open the port ({})", words), port,
-                   "thermorig doctor says who may, and who has it open");
+                   "thermorig doctor shows who may open it, and who has it open");
   if (says(run, "No such file"))
     return Error(ExitCode::device_missing, "there is no such port", port,
-                 "plug the board in, by a cable that carries data");
+                 "plug the board in with a USB data cable (some cables only charge)");
   if (run.is_unheard || says(run, "not in sync")) return std::nullopt;
   return Error(ExitCode::failed, "avrdude did not flash the board: " + last_error(run), port,
-               "run the command above by hand, to see all that it says");
+               "run the command above by hand to see all of its output");
 }
 
 }  // namespace
@@ -268,12 +268,11 @@ void flash_firmware(const FlashOptions& options) {
   }
   throw Error(
       ExitCode::failed,
-      answers ? "what is on the port answers, but not as a boot loader at 115200 or 57600 baud"
+      answers ? "the port answers, but not as a boot loader at 115200 or 57600 baud"
               : "no boot loader answers at 115200 or 57600 baud",
       options.port,
-      "is it the servo's board, an Uno or a Nano (ATmega328P)? Nothing was written. If it is: take off what "
-      "is on its pins 0, 1 and reset, press reset as flashing begins, or burn a boot loader (Arduino: "
-      "Tools)");
+      "is it the servo's board, an Uno or a Nano (ATmega328P)? Nothing was written. If it is: disconnect its "
+      "pins 0, 1 and reset, press reset when flashing begins, or burn a boot loader (Arduino: Tools)");
 }
 
 }  // namespace thermorig::rig

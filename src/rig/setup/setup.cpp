@@ -75,9 +75,8 @@ void ask_to_flash(const std::vector<PortFinding>& findings, SetupWorld& world) {
   for (const PortFinding& finding : findings)
     if (!finding.role && finding.problem.empty()) ports.push_back(finding.info.path);
   if (ports.empty())
-    throw Error(ExitCode::device_missing,
-                "no servo answers, and there is no other port that may be its board's", "",
-                "plug the board in, by a cable that carries data");
+    throw Error(ExitCode::device_missing, "no servo answers, and no other port can be its board", "",
+                "plug the board in with a USB data cable (some cables only charge)");
   for (const std::string& port : ports) {
     if (world.flash(port)) return;
     std::string text =
@@ -96,7 +95,7 @@ void require_others(const std::vector<PortFinding>& findings) {
                                      [](const PortFinding& finding) { return !finding.problem.empty(); });
     if (closed != findings.end())
       throw Error(closed->code == ExitCode::ok ? ExitCode::device_missing : closed->code,
-                  fmt::format("no {} was found, and this port could not be opened: {}", name_of(device),
+                  fmt::format("no {} was found, and this port cannot be opened: {}", name_of(device),
                               closed->problem),
                   closed->info.path, "thermorig doctor says why");
     throw Error(ExitCode::device_missing, fmt::format("no {} was found on any port", name_of(device)), "",
@@ -154,17 +153,16 @@ double usual_travel_deg(double travel_deg) {
 void take_travel(double share, double tolerance, ServoProfile& servo, SetupWorld& world) {
   if (std::abs(share - 1.0) < tolerance) return;
   if (servo.protocol != ServoProfile().protocol)  // a gear behind it; its travel is what the cable bears
-    throw Error(
-        ExitCode::finished_lossy, fmt::format("the shaft turned by {:.2f} of what was commanded", share),
-        "servo",
-        fmt::format("is there a gear between? then scale = {:.3f} in [servo] of the profile; of a GRBL "
-                    "board set $100, the steps a degree",
-                    share));
+    throw Error(ExitCode::finished_lossy,
+                fmt::format("the shaft turned by {:.2f} of the commanded angle", share), "servo",
+                fmt::format("if there is a gear, set scale = {:.3f} in [servo] of the profile; on a GRBL "
+                            "board set $100, the steps per degree",
+                            share));
   double& span = servo.kind == ServoKind::continuous ? servo.full_rate_dps : servo.travel_deg;
   const double before = span;
   span = servo.kind == ServoKind::continuous ? std::round(span * share) : usual_travel_deg(span * share);
   world.say(
-      fmt::format("servo: it turned by {:.2f} of what was commanded, so its travel from the shortest to "
+      fmt::format("servo: it turned by {:.2f} of the commanded angle, so its travel from the shortest to "
                   "the\nlongest pulse is {:g}, not {:g}\n",
                   share, span, before));
 }
@@ -183,17 +181,16 @@ void take_unit(const Witnesses& witnesses, GyroProfile& gyro, SetupWorld& world)
                     witnesses.images_why_not,
                 "gyro",
                 gyro.output_rate_hz < fewest_samples_hz
-                    ? "let the gyro print 50 samples a second or more: a frame without one is not used"
-                    : "point the camera at something with warm and cold edges, or say scale_dps in "
+                    ? "let the gyro print 50 samples a second or more: a frame without a sample is not valid"
+                    : "point the camera at something with warm and cold edges, or set scale_dps in "
                       "[gyro.text] of the profile");
   const double scale_dps =
       gyro.text.scale_dps * std::abs(witnesses.images_share->value / witnesses.gyro_share->value);
   const auto unit = sensors::usual_gyro_unit(scale_dps);
   if (!unit)
-    throw Error(
-        ExitCode::finished_lossy,
-        fmt::format("the gyro's unit is none of the usual ones: {:.4g} deg/s by the images", scale_dps),
-        "gyro", "say scale_dps in [gyro.text] of the profile, by the gyro's data sheet");
+    throw Error(ExitCode::finished_lossy,
+                fmt::format("the gyro's unit is unusual: {:.4g} deg/s according to the images", scale_dps),
+                "gyro", "set scale_dps in [gyro.text] of the profile, from the gyro's data sheet");
   gyro.text.scale_dps = unit->scale_dps;
   world.say(fmt::format("gyro: it sends {}\n", unit->name));
 }
@@ -240,8 +237,8 @@ SetupState set_up_ports(SetupState state, SetupWorld& world) {
     say_remarks(gyro, state.profile, world);
     return state;
   }
-  throw Error(ExitCode::device_missing, "the rig's ports are still not clear", "",
-              "thermorig ports shows what is on each; name the rig's: thermorig setup PORT PORT PORT");
+  throw Error(ExitCode::device_missing, "it is still not clear which ports are the rig's", "",
+              "`thermorig ports` shows what is on each; then name them: thermorig setup PORT PORT PORT");
 }
 
 DevicesSeen see_devices(RecordingOptions recording, PortLoop& loop) {
@@ -287,10 +284,9 @@ calibration::GyroAxis axis_by_moves(const RigProfile& profile, SetupWorld& world
     world.say(fmt::format("{}\n", printable(error.what_happened())));
   }
   const double degrees = firm_dps * gentle_frames / profile.camera.output_rate_hz;
-  world.confirm(
-      fmt::format("Once more, by {:.0f} degrees if its travel is {:g}, by {:.0f} if it is 180. Is it free to "
-                  "move?",
-                  degrees, profile.servo.travel_deg, degrees * 180.0 / profile.servo.travel_deg));
+  world.confirm(fmt::format(
+      "Again, by {:.0f} degrees if its travel is {:g}, by {:.0f} if it is 180. Is it free to move?", degrees,
+      profile.servo.travel_deg, degrees * 180.0 / profile.servo.travel_deg));
   return calibration::measure_axis(
       world.record(profile, setup_moves_plan(profile.servo, profile.camera, firm_dps)));
 }
@@ -347,8 +343,8 @@ SetupState state_before(const std::filesystem::path& path, SetupStep from) {
     state.profile = read_profile(path);
     state.knows_gyro_axis = !state.profile.camera.orientation_measured_utc.empty();
   } else if (from != SetupStep::ports) {
-    throw Error(ExitCode::bad_usage, "there is no such profile to go on with", path.string(),
-                "leave --from out: setup then begins with the ports");
+    throw Error(ExitCode::bad_usage, "there is no such profile", path.string(),
+                "leave out --from: setup then begins with the ports");
   } else {
     state.profile.name = path.stem().string();
   }

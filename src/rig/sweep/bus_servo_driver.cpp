@@ -329,10 +329,10 @@ void BusServoDriver::give_up(const Step& step) {
         "servo", "check cable and power of the servo, then record again");
   if (other_id_)
     throw Error(ExitCode::device_missing,
-                fmt::format("no servo of ID {} answers, but one of ID {}", id_, *other_id_), "servo",
-                fmt::format("bus_id = {} in [servo] of the rig profile", *other_id_));
+                fmt::format("no servo with ID {} answers, but one with ID {}", id_, *other_id_), "servo",
+                fmt::format("set bus_id = {} in [servo] of the rig profile", *other_id_));
   throw Error(ExitCode::device_missing,
-              fmt::format("no {} of ID {} answers at {} baud", name(), id_, servo_.link.baud), "servo",
+              fmt::format("no {} with ID {} answers at {} baud", name(), id_, servo_.link.baud), "servo",
               greeting_advice());
 }
 

@@ -204,7 +204,7 @@ std::vector<std::uint8_t> GrblDriver::set_up(HostTime now) {
   if (tries_ >= (resets ? reset_tries : line_tries)) {
     gave_up_ = true;
     throw Error(
-        ExitCode::device_missing, "no GRBL greets at this port", "servo",
+        ExitCode::device_missing, "no GRBL answers on this port", "servo",
         "check that the board carries GRBL 1.1, its baud rate (115200) and the port: thermorig ports");
   }
   if (tries_ > 0) ++retries_;

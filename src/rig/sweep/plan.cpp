@@ -14,6 +14,7 @@
 
 #include "servo_link.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/nearest_name.h"
 #include "thermorig/rig/profile/toml_table.h"
 #include "thermorig/rig/profile/toml_text.h"
 #include "thermorig/sensors/device_stream.h"
@@ -165,7 +166,7 @@ Speeds read_speeds(TomlTable& file) {
   if (int{legs.has_value()} + int{magnitudes.has_value()} + int{spaced} > 1)
     file.refuse(legs ? "leg_rates_dps" : "magnitudes_dps", "speeds are given twice", "one of: " + allowed);
   if (spaced && (!min || !max || !step || *min > *max))
-    file.refuse("min_dps", "the range of speeds is not whole",
+    file.refuse("min_dps", "the range of speeds is incomplete",
                 "min_dps, max_dps (not below it) and step_dps");
   if (legs && std::count(legs->begin(), legs->end(), 0.0) > 0)
     file.refuse("leg_rates_dps", "a leg with speed 0", "rests are opening_rest_s and closing_rest_s");
@@ -235,7 +236,7 @@ SweepPlan load_plan(const std::string& name_or_file, const std::string& environm
   }
   if (!std::filesystem::exists(name_or_file))
     throw Error(ExitCode::bad_usage, "no such sweep plan", name_or_file,
-                fmt::format("one of: {}, or a TOML file", fmt::join(built_in_plan_names(), ", ")));
+                advice_on_name(name_or_file, built_in_plan_names()) + ", or a TOML file");
   return parse_plan(read_text_file(name_or_file, "sweep plan"), name_or_file, seed, overrides);
 }
 

@@ -182,13 +182,12 @@ void ServoCommander::take(const wire::ServoWelcome& welcome, std::uint8_t sequen
   if (!is_answer_to_front(SERVO_HELLO, sequence)) return;
   if (welcome.version != SERVO_LINK_VERSION) wrong_version(welcome.version);
   if (guards_cable(servo_) && !guards_cables(welcome.firmware))
-    throw Error(
-        ExitCode::device_missing,
-        fmt::format("the servo's firmware {} does not guard the cable of a continuous servo",
-                    welcome.firmware),
-        "servo",
-        "reflash the servo's board with the firmware of this program (firmware_servo), or state in the "
-        "rig profile that there is no cable to wind up: travel_deg = 0");
+    throw Error(ExitCode::device_missing,
+                fmt::format("the servo's firmware {} does not guard the cable of a continuous servo",
+                            welcome.firmware),
+                "servo",
+                "reflash the servo board with this program's firmware (firmware_servo), or state in the rig "
+                "profile that there is no cable to wind up: travel_deg = 0");
   welcome_ = welcome;
   acknowledged(arrived);
 }
@@ -243,7 +242,7 @@ void ServoCommander::wrong_version(unsigned firmware) const {
   throw Error(ExitCode::device_missing,
               fmt::format("the servo's firmware speaks version {} of the servo link, this program version {}",
                           firmware, SERVO_LINK_VERSION),
-              "servo", "reflash the servo's board with the firmware of this program (firmware_servo)");
+              "servo", "reflash the servo board with this program's firmware (firmware_servo)");
 }
 
 }  // namespace thermorig::rig

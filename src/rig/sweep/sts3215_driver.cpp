@@ -121,9 +121,10 @@ class Sts3215Driver final : public BusServoDriver {
 
   void welcomed() override {
     if (welcome_->version != sts3215::model_of_4096)
-      throw Error(ExitCode::device_missing,
-                  fmt::format("the servo is no STS3215 but another one of its maker: {}", welcome_->firmware),
-                  "servo", "STS servos with 4096 counts a turn are driven: STS3215, STS3250");
+      throw Error(
+          ExitCode::device_missing,
+          fmt::format("this is not an STS3215 but another servo of its maker: {}", welcome_->firmware),
+          "servo", "STS servos with 4096 counts a turn are driven: STS3215, STS3250");
     welcome_->version = 0;
     welcome_->limit_rate_dps = rated_dps;
   }

@@ -129,8 +129,7 @@ void SweepWalker::next_leg(HostTime now) {
   if (steps_.empty() && plan_.repeat) steps_.fill();
   if (leg_.record().leg == plan_.last_leg && !steps_.empty()) {
     steps_.clear();
-    event(now, EventKind::warning,
-          fmt::format("leg {} was the last one that has a number", leg_.record().leg));
+    event(now, EventKind::warning, fmt::format("no leg number is left after leg {}", leg_.record().leg));
   }
   if (steps_.empty()) {
     commander_.halt();

@@ -38,7 +38,7 @@ export class Band {
     this.last = message;
     byId('start').disabled = message.phase !== 'waiting';  // it moves, or has
     const kept = number(message.kept_frames);
-    say(byId('kept'), kept === null ? (this.mode === 'replay' ? '' : 'nothing is kept') : `${count(kept)} frames kept`);
+    say(byId('kept'), kept === null ? (this.mode === 'replay' ? '' : 'not saved') : `${count(kept)} frames saved`);
     byId('kept').title = number(message.kept_bytes) === null ? '' : bytes(message.kept_bytes);
     const free = number(message.disk_free_bytes);
     say(byId('disk'), free === null ? '' : `${bytes(free)} free`);
@@ -64,11 +64,11 @@ export class Band {
     const now = number(this.last.time_s);
     if (now === null) return '';
     if (this.mode === 'ended') return clock(now);
-    if (this.shown === 'silent') return `last heard of at ${clock(now)}`;
+    if (this.shown === 'silent') return `last data at ${clock(now)}`;
     const left = number(this.last.eta_s);
     if (this.waits && this.control) {
       const whole = left ?? this.planned;
-      return whole === null ? clock(now) : `${clock(now)}, ${clock(whole)} after the start`;
+      return whole === null ? clock(now) : `${clock(now)}, the sweep takes ${clock(whole)}`;
     }
     const planned = left === null ? this.planned : now + left;
     return `${clock(now)}${planned === null ? '' : ` of ${clock(planned)}`}${

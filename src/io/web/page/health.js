@@ -76,7 +76,7 @@ export class Health {
       count(device.lost), count(device.bad), sync === null ? unknown : fixed(sync * 1000, 1)];
     texts.forEach((text, i) => say(row.cells[i + 1], text));
     const skipped = number(device.skipped_bytes);
-    row.cells[6].title = skipped === null ? '' : `${count(skipped)} bytes belong to no message`;
+    row.cells[6].title = skipped === null ? '' : `${count(skipped)} bytes in no valid message`;
     row.className = well || !told ? '' : 'unwell';
     return !this.over && ['late', 'lost', 'awaited'].includes(device.state);
   }

@@ -234,8 +234,8 @@ async function stop() {
   const trouble = await connection.order('/stop', {});
   delete byId('stop').dataset.pressed;
   warnings.set('stop', trouble === '' ? '' :
-    `The order to stop did not get through: ${trouble}. Press Ctrl-C where thermorig runs, or cut the servo's power.`);
-  if (trouble === '') say(byId('announcement'), 'Stop was ordered');
+    `Stop did not reach the program: ${trouble}. Press Ctrl-C where thermorig runs, or cut the servo's power.`);
+  if (trouble === '') say(byId('announcement'), 'Stop sent');
 }
 
 async function mark() {
@@ -253,7 +253,7 @@ const actions = {
     strips.paused = !strips.paused;
     press('p', strips.paused);
     byId('hint').hidden = !strips.paused;
-    say(byId('hint'), strips.paused ? 'Plots are paused (P goes on). The recording is not.' : '');
+    say(byId('hint'), strips.paused ? 'Plots are paused, the recording is not. P resumes them.' : '');
     redraw();
   },
   r: () => strips.resetAngle(),
@@ -273,8 +273,8 @@ byId('motion').addEventListener('close', async () => {
   warnings.set('start', trouble === '' ? '' : `The sweep was not started: ${trouble}.`);
 });
 
-say(byId('elsewhere'), 'This page is for browsers on the computer of the rig. From another one, or from a phone with an app for SSH, open a tunnel'
-  + ` (ssh -L ${location.port}:127.0.0.1:${location.port} USER@COMPUTER) and then the same address there.`);
+say(byId('elsewhere'), 'This page opens only on the computer of the rig. From another one, or from a phone with an app for SSH, open a tunnel'
+  + ` (ssh -L ${location.port}:127.0.0.1:${location.port} USER@COMPUTER), then the same address there.`);
 health.show({});
 showScores({});
 strips.draw(null);

@@ -107,7 +107,7 @@ class Session {
       image.freshness(freshWords[this.fresh[row]]);
       image.draw();
       byId('thermal').dataset.frame = of;
-      this.showNote(of === frame ? '' : `The image is that of frame ${count(of)}.`, precision);
+      this.showNote(of === frame ? '' : `The image shows frame ${count(of)}.`, precision);
       warnings.set('image', '');
       source.prepare(Math.min(this.rows.frameOf(this.rows.count - 1), frame + 64));
     } catch (error) {

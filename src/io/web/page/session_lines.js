@@ -46,10 +46,10 @@ export function linesOf(facts, rows) {
     difference: name === 'commanded' ? null : minus(rows.get(column), commanded), sigma: sigma === null ? null : rows.get(sigma), remark: () => '' });
   const estimators = estimatorLinesOf(facts, rows);
   return { left: estimators.left, lines: [
-    own('commanded', 'commanded', 'the label: what the servo was told, over the exposure', 'commanded_dps'),
-    own('shaft', 'shaft', 'what the shaft did: measured, where something measures it, else by the servo model', 'shaft_dps', 'shaft_sigma_dps'),
-    own('gyro-mean', 'gyro mean', 'mean over the exposure, bias and scale as they are', 'gyro_dps'),
-    own('corrected', 'gyro corrected', 'the same without its bias and scale, as far as this session tells them', 'corrected_dps'),
+    own('commanded', 'commanded', 'the label: commanded speed, mean over the exposure', 'commanded_dps'),
+    own('shaft', 'shaft', 'speed of the shaft: measured where a sensor measures it, else from the servo model', 'shaft_dps', 'shaft_sigma_dps'),
+    own('gyro-mean', 'gyro mean', 'mean over the exposure, with its bias and scale', 'gyro_dps'),
+    own('corrected', 'gyro corrected', 'the same, corrected for the bias and scale that this session knows', 'corrected_dps'),
     ...estimators.lines,
   ] };
 }

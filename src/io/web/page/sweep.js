@@ -30,7 +30,7 @@ export class Sweep {
     const plan = fields(message.plan);
     const name = plain(plan.name, 60);
     const seconds = number(plan.expected_s);
-    say(byId('plan'), name === '' ? '' : `· ${name}${seconds === null ? '' : `, about ${clock(seconds)}`}${plan.repeats === true ? ' a pass, again and again' : ''}`);
+    say(byId('plan'), name === '' ? '' : `· ${name}${seconds === null ? '' : `, about ${clock(seconds)}`}${plan.repeats === true ? ' a pass, repeated until stopped' : ''}`);
   }
 
   show(state) {

@@ -14,7 +14,7 @@ echarts.use([BarChart, CustomChart, HeatmapChart, LineChart, ScatterChart, Graph
   MarkLineComponent, VisualMapContinuousComponent, SVGRenderer]);
 
 const width = 600, height = 360;  // CSS pixels: 159 mm wide, a page's text; letters are of 9 pt
-const row = 32, letter = 6.6, sample = 60;
+const row = 32, letter = 6.6, sample = 68;
 
 // PRINT_COLOURS: those that the style sheets name first, see build.mjs
 const theme = themeOf((name) => PRINT_COLOURS[name], 'Liberation Sans, Arial, Helvetica, sans-serif');
@@ -37,9 +37,9 @@ function withLegend(option) {
   const names = option.legend === undefined ? [] : option.legend.data;
   if (names.length === 0) return option;
   option.legend = { ...option.legend, show: true, top: 0, left: 'center', width: width - 20, itemWidth: 34, itemHeight: 9,
-    itemGap: 18, textStyle: { color: theme.ink, fontSize: 11 } };
-  for (const series of option.series) if (series.showSymbol === false) series.symbol = 'none';
-  if (option.series.every((series) => series.symbol === 'none')) option.legend.itemStyle = { opacity: 0 };  // else a circle on each line
+    itemGap: 26, textStyle: { color: theme.ink, fontSize: 11 } };
+  const bare = option.series.filter((series) => series.showSymbol === false || series.symbol === 'none').map((series) => series.name);
+  option.legend.data = names.map((name) => (bare.indexOf(name) >= 0 ? { name, itemStyle: { opacity: 0 } } : name));  // else a circle on each line
   option.grid.top = row * legendRows(names);
   return option;
 }
