@@ -241,7 +241,8 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
   std::erase_if(changes, [&](const Interval& change) {
     return is_within(strayed, change.begin_s) || is_within(strayed, change.end_s);
   });
-  const auto loop = fit_loop(pulses, changes, integral, errors.filter_delay_s.value, profile);
+  const auto loop = fit_loop(pulses, changes, integral, errors.filter_delay_s.value, profile,
+                             servo.back().state.is_measured);
   if (!loop) return response;
   const double end_s = pulses.back().end_s;
   const ShaftCurve curve(pulses, scale.continuous(), loop->loop_hz, loop->dead_band_deg, end_s);

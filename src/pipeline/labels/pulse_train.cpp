@@ -25,6 +25,7 @@ constexpr std::int64_t stand_in_us = 5'000;
 constexpr double share_of_step = 0.02;  // of what a message's angle differs by from the one that was taken on
 constexpr double latest_s = 0.03;       // more than this, by time or angle, is another motion
 constexpr double coarsest_deg = 0.2;
+constexpr double share_of_measured = 0.005;  // 4 degrees of play or stick-slip leave less than 1 deg/s
 
 /// a modulo b, not negative.
 std::int64_t modulo(std::int64_t a, std::int64_t b) {
@@ -49,6 +50,8 @@ double PulseTrain::taken_on(const TimedServo& servo, double value) const {
   const double expected =
       before_->value + rate_dps * 1e-6 * static_cast<double>(servo.mcu_time_us - before_->time_us);
   const double off = value - expected;
+  if (servo.state.is_measured && servo.state.motion == ServoMotion::steady)
+    return expected + share_of_measured * off;  // the shaft strays, not the command
   return std::abs(off) <= std::abs(rate_dps) * latest_s + coarsest_deg ? expected + share_of_step * off
                                                                        : value;
 }
