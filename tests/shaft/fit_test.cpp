@@ -209,6 +209,7 @@ TEST(ServoResponse, OfAServoThatSendsItsShaftsAngleTheDelayIsThatOfTheClocks) {
   constexpr std::size_t messages_apart = 2;  // 20 ms
   for (std::size_t i = messages_apart; i < recording.servo.size(); i += messages_apart) {
     TimedServo message = recording.servo[i];
+    if (i % 150 > 142) continue;  // the host is busy for 0.08 s
     const HostTime before = recording.servo[i - messages_apart].stamp.time;
     const double angle_deg = shaft_deg(recording, message.stamp.time);
     const double rate_dps = (angle_deg - shaft_deg(recording, before)) / to_s(message.stamp.time - before);
@@ -222,10 +223,12 @@ TEST(ServoResponse, OfAServoThatSendsItsShaftsAngleTheDelayIsThatOfTheClocks) {
     asked.push_back(message);
   }
   recording.servo = std::move(asked);
-  const ServoResponse response = fit(recording, recording.profile).servo;
+  GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
+  const ServoResponse response =
+      fit_servo_response(recording.servo, recording.gyro, errors, recording.profile.servo, 0.125, {}, 0.12);
   EXPECT_TRUE(response.fitted);
   EXPECT_NEAR(response.delay_s, 0.0, 0.01);
-  EXPECT_LT(response.residual_dps, 1.0);
+  EXPECT_LT(response.residual_dps, 1.0) << "silences are bridged";
 }
 
 /// A servo by a gyro with a low-pass whose delay is known.

@@ -16,14 +16,13 @@
 #include "thermorig/core/statistics.h"
 #include "thermorig/fit/shaft/intervals.h"
 #include "thermorig/pipeline/labels/gyro_track.h"
-#include "thermorig/pipeline/labels/label_config.h"
 #include "thermorig/pipeline/labels/pulse_train.h"
 #include "thermorig/pipeline/labels/servo_loop.h"
 #include "thermorig/pipeline/labels/shaft_track.h"
 
 namespace thermorig::fit {
 
-using labels::pulse_period_s, labels::ShaftTrack, labels::LabelConfig;
+using labels::pulse_period_s, labels::ShaftTrack;
 
 namespace {
 constexpr double least_delay_error_s = 3e-4;
@@ -88,10 +87,10 @@ class FittedShaft {
  public:
   /// `reach_s`: how far before the latest time that was asked for one may ask.
   FittedShaft(std::span<const TimedServo> servo, HostTime origin, const ServoProfile& profile,
-              const ServoResponse& response, double reach_s)
+              const ServoResponse& response, double reach_s, double longest_gap_s)
       : left_(servo),
         origin_(origin),
-        track_(profile, as_the_gyro_sees(response), from_s(LabelConfig().telemetry_gap_s), from_s(reach_s)) {}
+        track_(profile, as_the_gyro_sees(response), from_s(longest_gap_s), from_s(reach_s)) {}
 
   double mean_dps(double begin_s, double end_s) {
     const HostTime begin = origin_ + from_s(begin_s), end = origin_ + from_s(end_s);
@@ -218,13 +217,13 @@ float median_clock_uncertainty_s(std::span<const TimedGyro> gyro) {
 namespace {
 ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                               GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
-                              const Witnesses& witnesses) {
+                              const Witnesses& witnesses, double longest_gap_s) {
   ServoResponse response = labels::assumed_response(profile);
   if (servo.empty() || gyro.empty() || errors.decay_per_s > 0.0) return response;
   const HostTime origin = servo.front().stamp.time;
   const PulseScale scale(profile);
   const GyroIntegral integral(gyro, errors, origin);
-  const std::vector<PulseAt> pulses = all_pulses(servo, scale, origin);
+  const std::vector<PulseAt> pulses = all_pulses(servo, scale, origin, longest_gap_s);
   if (pulses.empty() || integral.period_s() <= 0.0) return response;
   const double bias_uncertainty_dps = errors.bias_dps ? errors.bias_dps->uncertainty : unknown_bias_dps;
   const std::vector<Interval> legs = steady_intervals(servo, origin, false);
@@ -237,7 +236,7 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
   }
   note_reached(reached, response);
   const std::vector<Interval> strayed = strayed_intervals(legs, reached);
-  std::vector<Interval> changes = speed_changes(servo, origin);
+  std::vector<Interval> changes = speed_changes(servo, origin, longest_gap_s);
   std::erase_if(changes, [&](const Interval& change) {
     return is_within(strayed, change.begin_s) || is_within(strayed, change.end_s);
   });
@@ -263,7 +262,7 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
   response.scale_calibrated = response.scale_calibrated || errors.scale_calibrated;
   note_bias_course(*gain, origin, errors);
   const double frame_s = std::clamp(frame_period_s, shortest_frame_s, longest_frame_s);
-  FittedShaft shaft(servo, origin, profile, response, frame_s + shaft_reach_s);
+  FittedShaft shaft(servo, origin, profile, response, frame_s + shaft_reach_s, longest_gap_s);
   const LowPass low_pass(errors.filter_delay_s.value);
   note_residuals(response,
                  residuals_of(legs, shaft, integral, low_pass, *gain, labels::settle_s(response), frame_s),
@@ -275,8 +274,9 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
 
 ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                                  GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
-                                 const Witnesses& witnesses) {
-  ServoResponse response = fitted_response(servo, gyro, errors, profile, frame_period_s, witnesses);
+                                 const Witnesses& witnesses, double longest_gap_s) {
+  ServoResponse response =
+      fitted_response(servo, gyro, errors, profile, frame_period_s, witnesses, longest_gap_s);
   if (witnesses.outlier == Witness::command)
     for (ServoResponse::AtSpeed& speed : response.speeds) speed.contradicts = true;
   return response;
