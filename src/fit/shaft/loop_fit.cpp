@@ -92,13 +92,13 @@ std::vector<Change> prepare(std::span<const PulseAt> pulses, std::span<const Int
 
 class Problem {
  public:
-  Problem(std::vector<Change> changes, double filter_delay_s, const ServoProfile& profile, bool is_measured)
+  Problem(std::vector<Change> changes, double filter_delay_s, const ServoProfile& profile, bool has_loop)
       : changes_(std::move(changes)),
         low_pass_(filter_delay_s),
-        has_dead_band_(profile.kind != ServoKind::continuous && !is_measured),
+        has_dead_band_(profile.kind != ServoKind::continuous && has_loop),
         continuous_(profile.kind == ServoKind::continuous),
-        log_loop_(std::log(is_measured ? fastest_hz : std::clamp(profile.loop_hz, slowest_hz, fastest_hz))),
-        loop_doubt_(is_measured ? no_doubt : loop_doubt_of_log) {
+        log_loop_(std::log(has_loop ? std::clamp(profile.loop_hz, slowest_hz, fastest_hz) : fastest_hz)),
+        loop_doubt_(has_loop ? loop_doubt_of_log : no_doubt) {
     for (const Change& change : changes_)
       for (const Sample& sample : change.samples) measured_.push_back(sample.rate_dps);
   }
@@ -282,11 +282,11 @@ Parameters descend(Problem& problem, Parameters p) {
   return p;
 }
 
-Parameters coarse(const Problem& problem, bool is_measured) {
+Parameters coarse(const Problem& problem, bool has_loop) {
   constexpr std::array tried_hz{3.0, 5.0, 8.0, 12.0, 18.0, 27.0, fastest_hz};
   std::pair<Parameters, double> best{{}, -1.0};
   const std::span all(tried_hz);
-  for (const double loop_hz : is_measured ? all.last(1) : all.first(all.size() - 1)) {
+  for (const double loop_hz : has_loop ? all.first(all.size() - 1) : all.last(1)) {
     const auto found = problem.best_delay(loop_hz);
     if (best.second < 0.0 || found.second < best.second) best = found;
   }
@@ -296,13 +296,13 @@ Parameters coarse(const Problem& problem, bool is_measured) {
 
 std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Interval> changes,
                                 const GyroIntegral& gyro, double filter_delay_s, const ServoProfile& profile,
-                                bool is_measured) {
+                                bool has_loop) {
   const auto problem_of = [&](std::size_t most) {
-    return Problem(prepare(pulses, changes, gyro, most), filter_delay_s, profile, is_measured);
+    return Problem(prepare(pulses, changes, gyro, most), filter_delay_s, profile, has_loop);
   };
   Problem problem = problem_of(most_changes);
   if (problem.changes() < least_changes) return std::nullopt;
-  Parameters p = descend(problem, coarse(problem_of(coarse_changes), is_measured));
+  Parameters p = descend(problem, coarse(problem_of(coarse_changes), has_loop));
   if (problem.drop_outliers(p) && problem.changes() >= least_changes) p = descend(problem, p);
   if (problem.changes() < least_changes) return std::nullopt;
   const Problem::Prediction predicted = problem.predict(p);

@@ -16,13 +16,14 @@
 #include "thermorig/core/statistics.h"
 #include "thermorig/fit/shaft/intervals.h"
 #include "thermorig/pipeline/labels/gyro_track.h"
+#include "thermorig/pipeline/labels/label_config.h"
 #include "thermorig/pipeline/labels/pulse_train.h"
 #include "thermorig/pipeline/labels/servo_loop.h"
 #include "thermorig/pipeline/labels/shaft_track.h"
 
 namespace thermorig::fit {
 
-using labels::pulse_period_s, labels::ShaftTrack;
+using labels::pulse_period_s, labels::ShaftTrack, labels::LabelConfig;
 
 namespace {
 constexpr double least_delay_error_s = 3e-4;
@@ -98,6 +99,17 @@ class FittedShaft {
     return track_.mean_dps(begin, end);
   }
 
+  /// Whether it turns as commanded until `end_s`, which mean_dps() was asked for: no frame is valid where
+  /// telemetry that came late has it jerk.
+  bool is_even(double begin_s, double end_s, double rate_dps) const {
+    const double turned_deg =
+        track_.at(origin_ + from_s(end_s)).plain_deg - track_.at(origin_ + from_s(begin_s)).plain_deg;
+    const LabelConfig config;
+    const double tolerance_dps =
+        std::max(config.rate_tolerance_dps, config.rate_tolerance_share * std::abs(rate_dps));
+    return std::abs(turned_deg / (end_s - begin_s) - rate_dps) <= tolerance_dps;
+  }
+
  private:
   static ServoResponse as_the_gyro_sees(ServoResponse response) {
     response.scale = response.gyro_ratio;
@@ -119,10 +131,12 @@ std::map<long long, Residuals> residuals_of(const std::vector<Interval>& interva
     for (double from_s = interval.begin_s + settle; from_s + frame_s <= interval.end_s; from_s += frame_s) {
       const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s, near_gyro) - gain.bias_at(from_s);
       if (!std::isfinite(rate_dps)) continue;
-      Residuals& residuals = by_speed[std::llround(100.0 * interval.rate_dps)];
       const auto mean = [&](double begin_s, double end_s) { return shaft.mean_dps(begin_s, end_s); };
       const double shown_dps = low_pass.shown_dps(from_s, from_s + frame_s, mean);
-      residuals.add(rate_dps - shown_dps, mean(from_s, from_s + frame_s) - shown_dps);
+      const double model_dps = mean(from_s, from_s + frame_s);
+      if (!shaft.is_even(from_s, from_s + frame_s, interval.rate_dps)) continue;
+      Residuals& residuals = by_speed[std::llround(100.0 * interval.rate_dps)];
+      residuals.add(rate_dps - shown_dps, model_dps - shown_dps);
       note_noise(gyro, from_s, from_s + frame_s, near_gyro, residuals);
     }
   }
@@ -217,7 +231,7 @@ float median_clock_uncertainty_s(std::span<const TimedGyro> gyro) {
 namespace {
 ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                               GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
-                              const Witnesses& witnesses, double longest_gap_s) {
+                              const Witnesses& witnesses, double longest_gap_s, bool has_loop) {
   ServoResponse response = labels::assumed_response(profile);
   if (servo.empty() || gyro.empty() || errors.decay_per_s > 0.0) return response;
   const HostTime origin = servo.front().stamp.time;
@@ -241,7 +255,7 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
     return is_within(strayed, change.begin_s) || is_within(strayed, change.end_s);
   });
   const auto loop = fit_loop(pulses, changes, integral, errors.filter_delay_s.value, profile,
-                             servo.back().state.is_measured);
+                             has_loop && !servo.back().state.is_measured);
   if (!loop) return response;
   const double end_s = pulses.back().end_s;
   const ShaftCurve curve(pulses, scale.continuous(), loop->loop_hz, loop->dead_band_deg, end_s);
@@ -274,9 +288,9 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
 
 ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                                  GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
-                                 const Witnesses& witnesses, double longest_gap_s) {
+                                 const Witnesses& witnesses, double longest_gap_s, bool has_loop) {
   ServoResponse response =
-      fitted_response(servo, gyro, errors, profile, frame_period_s, witnesses, longest_gap_s);
+      fitted_response(servo, gyro, errors, profile, frame_period_s, witnesses, longest_gap_s, has_loop);
   if (witnesses.outlier == Witness::command)
     for (ServoResponse::AtSpeed& speed : response.speeds) speed.contradicts = true;
   return response;
