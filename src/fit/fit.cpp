@@ -251,7 +251,7 @@ Fits fit_recording(const RawRecording& raw, Streams streams, const RunAll& run_a
   const auto fit_servo = [&] {
     return fit_servo_response(streams.servo, streams.gyro, sync.gyro, profile.servo,
                               1.0 / profile.camera.output_rate_hz, sync.witnesses,
-                              servo_protocol.longest_gap_s, !servo_protocol.counts_steps);
+                              servo_protocol.longest_gap_s);
   };
   sync.servo = fit_servo();  // with it how the bias went, on which rests what images say
   const motion::TurnResult turns = turns_of(streams, profile, sync, run_all);

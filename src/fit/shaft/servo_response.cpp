@@ -231,7 +231,7 @@ float median_clock_uncertainty_s(std::span<const TimedGyro> gyro) {
 namespace {
 ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                               GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
-                              const Witnesses& witnesses, double longest_gap_s, bool has_loop) {
+                              const Witnesses& witnesses, double longest_gap_s) {
   ServoResponse response = labels::assumed_response(profile);
   if (servo.empty() || gyro.empty() || errors.decay_per_s > 0.0) return response;
   const HostTime origin = servo.front().stamp.time;
@@ -255,7 +255,7 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
     return is_within(strayed, change.begin_s) || is_within(strayed, change.end_s);
   });
   const auto loop = fit_loop(pulses, changes, integral, errors.filter_delay_s.value, profile,
-                             has_loop && !servo.back().state.is_measured);
+                             !servo.back().state.is_measured);
   if (!loop) return response;
   const double end_s = pulses.back().end_s;
   const ShaftCurve curve(pulses, scale.continuous(), loop->loop_hz, loop->dead_band_deg, end_s);
@@ -288,9 +288,9 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
 
 ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                                  GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
-                                 const Witnesses& witnesses, double longest_gap_s, bool has_loop) {
+                                 const Witnesses& witnesses, double longest_gap_s) {
   ServoResponse response =
-      fitted_response(servo, gyro, errors, profile, frame_period_s, witnesses, longest_gap_s, has_loop);
+      fitted_response(servo, gyro, errors, profile, frame_period_s, witnesses, longest_gap_s);
   if (witnesses.outlier == Witness::command)
     for (ServoResponse::AtSpeed& speed : response.speeds) speed.contradicts = true;
   return response;
