@@ -249,7 +249,8 @@ Fits fit_recording(const RawRecording& raw, Streams streams, const RunAll& run_a
   name_setting(servo_protocol, streams, sync.witnesses);
   const auto fit_servo = [&] {
     return fit_servo_response(streams.servo, streams.gyro, sync.gyro, profile.servo,
-                              1.0 / profile.camera.output_rate_hz, sync.witnesses);
+                              1.0 / profile.camera.output_rate_hz, sync.witnesses,
+                              servo_protocol.longest_gap_s);
   };
   sync.servo = fit_servo();  // with it how the bias went, on which rests what images say
   const motion::TurnResult turns = turns_of(streams, profile, sync, run_all);

@@ -54,7 +54,7 @@ class ProfileWatch {
     if (goal != goal_ || asked != asked_) with_speed_ = 0;
     goal_ = goal;
     asked_ = asked;
-    ServoState state{.angle_deg = angle_deg_of(position), .leg = leg};
+    ServoState state{.angle_deg = angle_deg_of(position), .leg = leg, .is_measured = true};
     if (telemetry[place_of(sts3215::at::torque_enable)] == 0) return state;
     const bool is_there = std::abs(goal - position) <= near_counts && std::abs(speed) <= slow_counts_s;
     if (telemetry[place_of(sts3215::at::moving)] == 0 || is_there) {

@@ -95,6 +95,28 @@ TEST(PulseTrain, TakesASteadyCommandOnEvenlyWhereAnglesAndTimesHaveSteps) {
   }
 }
 
+/// As an STS3215 sends them: the shaft's own angle, which stands and jumps by two degrees.
+TEST(PulseTrain, TakesAShaftThatSticksAndSlipsForNoOtherCommand) {
+  constexpr double rate_dps = 20.0, jump_deg = 2.0, period_s = 0.024;
+  PulseTrain train{PulseScale(ServoProfile{}), from_s(0.12)};
+  std::vector<Pulse> found;
+  for (int i = 0; i < 150; ++i) {
+    TimedServo message;
+    message.mcu_time_us = std::llround(1e6 * period_s * i);
+    message.state = {.angle_deg = std::floor(rate_dps * period_s * i / jump_deg) * jump_deg,
+                     .rate_dps = rate_dps,
+                     .motion = ServoMotion::steady,
+                     .is_measured = true};
+    train.add(message, found);
+  }
+  constexpr std::size_t apart = 20;
+  ASSERT_GT(found.size(), 500U);
+  for (std::size_t i = apart; i < found.size(); ++i) {
+    const double passed_s = 1e-6 * static_cast<double>(found[i].start_us - found[i - apart].start_us);
+    EXPECT_NEAR((found[i].value - found[i - apart].value) / passed_s, rate_dps, 1.0) << i;
+  }
+}
+
 TEST(PulseTrain, SurvivesAClockThatJumpsAndNumbersThatAreNone) {
   PulseTrain train{PulseScale(ServoProfile{}), from_s(0.05)};
   std::vector<Pulse> found;

@@ -202,6 +202,35 @@ TEST(ServoResponse, IsThatOfTheSimulatedServo) {
   }
 }
 
+/// What it says is commanded is then where the shaft is, until it turns as it was asked to.
+TEST(ServoResponse, OfAServoThatSendsItsShaftsAngleTheDelayIsThatOfTheClocks) {
+  TrueTimes recording = record(rig_of(2160.0, 8.0, 11), speeds_dps);
+  std::vector<TimedServo> asked;
+  constexpr std::size_t messages_apart = 2;  // 20 ms
+  for (std::size_t i = messages_apart; i < recording.servo.size(); i += messages_apart) {
+    TimedServo message = recording.servo[i];
+    if (i % 150 > 142) continue;  // the host is busy for 0.08 s
+    const HostTime before = recording.servo[i - messages_apart].stamp.time;
+    const double angle_deg = shaft_deg(recording, message.stamp.time);
+    const double rate_dps = (angle_deg - shaft_deg(recording, before)) / to_s(message.stamp.time - before);
+    ServoState& state = message.state;
+    const bool has_speed = std::abs(rate_dps - state.rate_dps) < 0.02 * std::abs(state.rate_dps);
+    if (state.motion == ServoMotion::steady && !has_speed) state.motion = ServoMotion::ramping;
+    if (state.motion != ServoMotion::steady) state.rate_dps = rate_dps;
+    state.angle_deg = angle_deg;
+    state.pulse_us = 0.0F;
+    state.is_measured = true;
+    asked.push_back(message);
+  }
+  recording.servo = std::move(asked);
+  GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
+  const ServoResponse response =
+      fit_servo_response(recording.servo, recording.gyro, errors, recording.profile.servo, 0.125, {}, 0.12);
+  EXPECT_TRUE(response.fitted);
+  EXPECT_NEAR(response.delay_s, 0.0, 0.01);
+  EXPECT_LT(response.residual_dps, 1.0) << "silences are bridged";
+}
+
 /// A servo by a gyro with a low-pass whose delay is known.
 ServoResponse seen_through_low_pass(double loop_hz, double bandwidth_hz) {
   auto config = rig_of(2160.0, loop_hz, 11);

@@ -38,7 +38,8 @@ struct ServoState {
   float pulse_us = 0.0F;     // width of the last pulse put out, exact in telemetry's ticks; 0: no pulse
   ServoMotion motion = ServoMotion::disarmed;
   ServoFault fault = ServoFault::none;
-  std::uint16_t leg = 0;  // the leg that is being driven, 0 for none (rest, transit)
+  std::uint16_t leg = 0;     // the leg that is being driven, 0 for none (rest, transit)
+  bool is_measured = false;  // angle_deg is the shaft's: the device does not say what it commands
 };
 
 /// Whether a measured angle of the shaft can be trusted. The numbers are stored in files.

@@ -7,7 +7,6 @@
 namespace thermorig::fit {
 
 namespace {
-constexpr std::int64_t ramp_gap_us = 50'000;
 constexpr std::int64_t steady_gap_us = 250'000;                  // a GRBL board reports ten times a second
 constexpr HostDuration longest_stall = std::chrono::seconds(1);  // by the host's clock, which may have jumped
 constexpr double one_ramp_s = 0.1;                               // changes closer than this belong together
@@ -41,13 +40,15 @@ std::vector<Interval> steady_intervals(std::span<const TimedServo> servo, HostTi
   return intervals;
 }
 
-std::vector<Interval> speed_changes(std::span<const TimedServo> servo, HostTime origin) {
+std::vector<Interval> speed_changes(std::span<const TimedServo> servo, HostTime origin,
+                                    double longest_gap_s) {
   std::vector<Interval> changes;
   for (std::size_t i = 1; i < servo.size(); ++i) {
     const TimedServo& before = servo[i - 1];
     const TimedServo& after = servo[i];
     const bool changed = std::abs(after.state.rate_dps - before.state.rate_dps) > constant_dps;
-    if (!changed || std::abs(after.mcu_time_us - before.mcu_time_us) > ramp_gap_us) continue;
+    const double gap_s = 1e-6 * static_cast<double>(std::abs(after.mcu_time_us - before.mcu_time_us));
+    if (!changed || gap_s > longest_gap_s) continue;
     const double begin_s = to_s(before.stamp.time - origin), end_s = to_s(after.stamp.time - origin);
     if (changes.empty() || begin_s > changes.back().end_s + one_ramp_s)
       changes.push_back({begin_s, end_s, before.state.rate_dps});

@@ -21,6 +21,7 @@ constexpr std::size_t least_changes = 3;
 constexpr double least_share_followed = 0.9;  // of the gyro's variance
 constexpr double typical_dead_band_deg = 0.3, dead_band_doubt_deg = 0.3;
 constexpr double loop_doubt_of_log = 0.7;  // of its logarithm
+constexpr double no_doubt = 1e-6;
 constexpr double longest_delay_s = 0.15, earliest_delay_s = -0.05;
 constexpr double slowest_hz = 1.0, fastest_hz = 40.0, widest_dead_band_deg = 2.0;
 constexpr double least_residual_dps = 0.05;
@@ -91,11 +92,13 @@ std::vector<Change> prepare(std::span<const PulseAt> pulses, std::span<const Int
 
 class Problem {
  public:
-  Problem(std::vector<Change> changes, double filter_delay_s, const ServoProfile& profile)
+  Problem(std::vector<Change> changes, double filter_delay_s, const ServoProfile& profile, bool has_loop)
       : changes_(std::move(changes)),
         low_pass_(filter_delay_s),
+        has_dead_band_(profile.kind != ServoKind::continuous && has_loop),
         continuous_(profile.kind == ServoKind::continuous),
-        log_loop_(std::log(std::clamp(profile.loop_hz, slowest_hz, fastest_hz))) {
+        log_loop_(std::log(has_loop ? std::clamp(profile.loop_hz, slowest_hz, fastest_hz) : fastest_hz)),
+        loop_doubt_(has_loop ? loop_doubt_of_log : no_doubt) {
     for (const Change& change : changes_)
       for (const Sample& sample : change.samples) measured_.push_back(sample.rate_dps);
   }
@@ -145,9 +148,9 @@ class Problem {
   /// Drops the changes that the model explains much worse than most.
   bool drop_outliers(const Parameters& p);
 
-  double dead_band_deg() const { return continuous_ ? 0.0 : typical_dead_band_deg; }
+  double dead_band_deg() const { return has_dead_band_ ? typical_dead_band_deg : 0.0; }
   double penalty(const Parameters& p) const {
-    const double loop = (p.log_loop - log_loop_) / loop_doubt_of_log;
+    const double loop = (p.log_loop - log_loop_) / loop_doubt_;
     const double band = (p.dead_band_deg - dead_band_deg()) / dead_band_doubt_deg;
     return loop * loop + band * band;
   }
@@ -185,8 +188,9 @@ class Problem {
   std::vector<Change> changes_;
   LowPass low_pass_;
   std::vector<double> measured_;
+  bool has_dead_band_;
   bool continuous_;
-  double log_loop_;
+  double log_loop_, loop_doubt_;
   double residual_dps_ = 1.0;
 };
 
@@ -206,8 +210,8 @@ Problem::Step Problem::step(const Parameters& p, const Prediction& predicted, do
     equations.add(row, measured_[i] - found.factor * now[i] - found.constant_dps, deviation);
   }
   equations.add_prior(0, 0.0, longest_delay_s / damping);
-  equations.add_prior(1, log_loop_ - p.log_loop, loop_doubt_of_log);
-  equations.add_prior(2, dead_band_deg() - p.dead_band_deg, continuous_ ? 1e-6 : dead_band_doubt_deg);
+  equations.add_prior(1, log_loop_ - p.log_loop, loop_doubt_);
+  equations.add_prior(2, dead_band_deg() - p.dead_band_deg, has_dead_band_ ? dead_band_doubt_deg : no_doubt);
   equations.add_prior(1, 0.0, 1.0 / damping);
   equations.add_prior(2, 0.0, 1.0 / damping);
   equations.add_prior(3, 0.0, 10.0);
@@ -216,7 +220,7 @@ Problem::Step Problem::step(const Parameters& p, const Prediction& predicted, do
   const std::array<double, 5> delay_alone{1.0, 0.0, 0.0, 0.0, 0.0};
   return {{std::clamp(p.delay_s + change[0], earliest_delay_s, longest_delay_s),
            std::clamp(p.log_loop + change[1], std::log(slowest_hz), std::log(fastest_hz)),
-           continuous_ ? 0.0 : std::clamp(p.dead_band_deg + change[2], 0.0, widest_dead_band_deg)},
+           has_dead_band_ ? std::clamp(p.dead_band_deg + change[2], 0.0, widest_dead_band_deg) : 0.0},
           std::sqrt(equations.variance(delay_alone))};
 }
 
@@ -278,9 +282,11 @@ Parameters descend(Problem& problem, Parameters p) {
   return p;
 }
 
-Parameters coarse(const Problem& problem) {
+Parameters coarse(const Problem& problem, bool has_loop) {
+  constexpr std::array tried_hz{3.0, 5.0, 8.0, 12.0, 18.0, 27.0, fastest_hz};
   std::pair<Parameters, double> best{{}, -1.0};
-  for (const double loop_hz : {3.0, 5.0, 8.0, 12.0, 18.0, 27.0}) {
+  const std::span all(tried_hz);
+  for (const double loop_hz : has_loop ? all.first(all.size() - 1) : all.last(1)) {
     const auto found = problem.best_delay(loop_hz);
     if (best.second < 0.0 || found.second < best.second) best = found;
   }
@@ -289,12 +295,14 @@ Parameters coarse(const Problem& problem) {
 }  // namespace
 
 std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Interval> changes,
-                                const GyroIntegral& gyro, double filter_delay_s,
-                                const ServoProfile& profile) {
-  Problem problem(prepare(pulses, changes, gyro, most_changes), filter_delay_s, profile);
+                                const GyroIntegral& gyro, double filter_delay_s, const ServoProfile& profile,
+                                bool has_loop) {
+  const auto problem_of = [&](std::size_t most) {
+    return Problem(prepare(pulses, changes, gyro, most), filter_delay_s, profile, has_loop);
+  };
+  Problem problem = problem_of(most_changes);
   if (problem.changes() < least_changes) return std::nullopt;
-  Parameters p =
-      descend(problem, coarse({prepare(pulses, changes, gyro, coarse_changes), filter_delay_s, profile}));
+  Parameters p = descend(problem, coarse(problem_of(coarse_changes), has_loop));
   if (problem.drop_outliers(p) && problem.changes() >= least_changes) p = descend(problem, p);
   if (problem.changes() < least_changes) return std::nullopt;
   const Problem::Prediction predicted = problem.predict(p);

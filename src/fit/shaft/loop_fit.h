@@ -59,8 +59,10 @@ struct LoopFit {
 /// the pulses plays no part), seen through the gyro's low-pass of the group delay `filter_delay_s` (which the
 /// gyro's times have in them), most like the gyro's, around the changes of speed; up
 /// to a factor and a constant, which are found elsewhere. None if there are fewer than three changes that the
-/// gyro saw, or the gyro does not follow them.
+/// gyro saw, or the gyro does not follow them. `has_loop`: false where what is
+/// commanded is where the shaft is, so that the delay is that of the clocks alone.
 std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Interval> changes,
-                                const GyroIntegral& gyro, double filter_delay_s, const ServoProfile& profile);
+                                const GyroIntegral& gyro, double filter_delay_s, const ServoProfile& profile,
+                                bool has_loop);
 
 }  // namespace thermorig::fit

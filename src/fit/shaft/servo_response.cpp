@@ -88,15 +88,26 @@ class FittedShaft {
  public:
   /// `reach_s`: how far before the latest time that was asked for one may ask.
   FittedShaft(std::span<const TimedServo> servo, HostTime origin, const ServoProfile& profile,
-              const ServoResponse& response, double reach_s)
+              const ServoResponse& response, double reach_s, double longest_gap_s)
       : left_(servo),
         origin_(origin),
-        track_(profile, as_the_gyro_sees(response), from_s(LabelConfig().telemetry_gap_s), from_s(reach_s)) {}
+        track_(profile, as_the_gyro_sees(response), from_s(longest_gap_s), from_s(reach_s)) {}
 
   double mean_dps(double begin_s, double end_s) {
     const HostTime begin = origin_ + from_s(begin_s), end = origin_ + from_s(end_s);
     for (; !left_.empty() && !track_.reaches(end); left_ = left_.subspan(1)) track_.add(left_.front());
     return track_.mean_dps(begin, end);
+  }
+
+  /// Whether it turns as commanded until `end_s`, which mean_dps() was asked for: no frame is valid where
+  /// telemetry that came late has it jerk.
+  bool is_even(double begin_s, double end_s, double rate_dps) const {
+    const double turned_deg =
+        track_.at(origin_ + from_s(end_s)).plain_deg - track_.at(origin_ + from_s(begin_s)).plain_deg;
+    const LabelConfig config;
+    const double tolerance_dps =
+        std::max(config.rate_tolerance_dps, config.rate_tolerance_share * std::abs(rate_dps));
+    return std::abs(turned_deg / (end_s - begin_s) - rate_dps) <= tolerance_dps;
   }
 
  private:
@@ -120,10 +131,12 @@ std::map<long long, Residuals> residuals_of(const std::vector<Interval>& interva
     for (double from_s = interval.begin_s + settle; from_s + frame_s <= interval.end_s; from_s += frame_s) {
       const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s, near_gyro) - gain.bias_at(from_s);
       if (!std::isfinite(rate_dps)) continue;
-      Residuals& residuals = by_speed[std::llround(100.0 * interval.rate_dps)];
       const auto mean = [&](double begin_s, double end_s) { return shaft.mean_dps(begin_s, end_s); };
       const double shown_dps = low_pass.shown_dps(from_s, from_s + frame_s, mean);
-      residuals.add(rate_dps - shown_dps, mean(from_s, from_s + frame_s) - shown_dps);
+      const double model_dps = mean(from_s, from_s + frame_s);
+      if (!shaft.is_even(from_s, from_s + frame_s, interval.rate_dps)) continue;
+      Residuals& residuals = by_speed[std::llround(100.0 * interval.rate_dps)];
+      residuals.add(rate_dps - shown_dps, model_dps - shown_dps);
       note_noise(gyro, from_s, from_s + frame_s, near_gyro, residuals);
     }
   }
@@ -218,13 +231,13 @@ float median_clock_uncertainty_s(std::span<const TimedGyro> gyro) {
 namespace {
 ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                               GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
-                              const Witnesses& witnesses) {
+                              const Witnesses& witnesses, double longest_gap_s) {
   ServoResponse response = labels::assumed_response(profile);
   if (servo.empty() || gyro.empty() || errors.decay_per_s > 0.0) return response;
   const HostTime origin = servo.front().stamp.time;
   const PulseScale scale(profile);
   const GyroIntegral integral(gyro, errors, origin);
-  const std::vector<PulseAt> pulses = all_pulses(servo, scale, origin);
+  const std::vector<PulseAt> pulses = all_pulses(servo, scale, origin, longest_gap_s);
   if (pulses.empty() || integral.period_s() <= 0.0) return response;
   const double bias_uncertainty_dps = errors.bias_dps ? errors.bias_dps->uncertainty : unknown_bias_dps;
   const std::vector<Interval> legs = steady_intervals(servo, origin, false);
@@ -237,11 +250,12 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
   }
   note_reached(reached, response);
   const std::vector<Interval> strayed = strayed_intervals(legs, reached);
-  std::vector<Interval> changes = speed_changes(servo, origin);
+  std::vector<Interval> changes = speed_changes(servo, origin, longest_gap_s);
   std::erase_if(changes, [&](const Interval& change) {
     return is_within(strayed, change.begin_s) || is_within(strayed, change.end_s);
   });
-  const auto loop = fit_loop(pulses, changes, integral, errors.filter_delay_s.value, profile);
+  const auto loop = fit_loop(pulses, changes, integral, errors.filter_delay_s.value, profile,
+                             !servo.back().state.is_measured);
   if (!loop) return response;
   const double end_s = pulses.back().end_s;
   const ShaftCurve curve(pulses, scale.continuous(), loop->loop_hz, loop->dead_band_deg, end_s);
@@ -262,7 +276,7 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
   response.scale_calibrated = response.scale_calibrated || errors.scale_calibrated;
   note_bias_course(*gain, origin, errors);
   const double frame_s = std::clamp(frame_period_s, shortest_frame_s, longest_frame_s);
-  FittedShaft shaft(servo, origin, profile, response, frame_s + shaft_reach_s);
+  FittedShaft shaft(servo, origin, profile, response, frame_s + shaft_reach_s, longest_gap_s);
   const LowPass low_pass(errors.filter_delay_s.value);
   note_residuals(response,
                  residuals_of(legs, shaft, integral, low_pass, *gain, labels::settle_s(response), frame_s),
@@ -274,8 +288,9 @@ ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const
 
 ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                                  GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
-                                 const Witnesses& witnesses) {
-  ServoResponse response = fitted_response(servo, gyro, errors, profile, frame_period_s, witnesses);
+                                 const Witnesses& witnesses, double longest_gap_s) {
+  ServoResponse response =
+      fitted_response(servo, gyro, errors, profile, frame_period_s, witnesses, longest_gap_s);
   if (witnesses.outlier == Witness::command)
     for (ServoResponse::AtSpeed& speed : response.speeds) speed.contradicts = true;
   return response;

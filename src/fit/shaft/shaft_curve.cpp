@@ -4,13 +4,13 @@
 #include <algorithm>
 
 #include "gyro_integral.h"
-#include "thermorig/pipeline/labels/label_config.h"
 #include "thermorig/pipeline/labels/shaft_track.h"
 
 namespace thermorig::fit {
 
-std::vector<PulseAt> all_pulses(std::span<const TimedServo> servo, const PulseScale& scale, HostTime origin) {
-  labels::PulseTrain train(scale, from_s(labels::LabelConfig().telemetry_gap_s));
+std::vector<PulseAt> all_pulses(std::span<const TimedServo> servo, const PulseScale& scale, HostTime origin,
+                                double longest_gap_s) {
+  labels::PulseTrain train(scale, from_s(longest_gap_s));
   std::vector<labels::Pulse> found;
   std::vector<PulseAt> pulses;
   for (const TimedServo& message : servo) {

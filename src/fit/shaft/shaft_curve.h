@@ -22,8 +22,9 @@ struct PulseAt {
   bool restart = false;
 };
 
-/// All pulses that telemetry tells of, in order of time.
-std::vector<PulseAt> all_pulses(std::span<const TimedServo> servo, const PulseScale& scale, HostTime origin);
+/// All pulses of telemetry, in order of time. `longest_gap_s`: PulseTrain.
+std::vector<PulseAt> all_pulses(std::span<const TimedServo> servo, const PulseScale& scale, HostTime origin,
+                                double longest_gap_s);
 
 /// What the loop, scale and gain 1 and no delay, makes of some pulses.
 class ShaftCurve {

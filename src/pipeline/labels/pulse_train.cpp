@@ -25,6 +25,8 @@ constexpr std::int64_t stand_in_us = 5'000;
 constexpr double share_of_step = 0.02;  // of what a message's angle differs by from the one that was taken on
 constexpr double latest_s = 0.03;       // more than this, by time or angle, is another motion
 constexpr double coarsest_deg = 0.2;
+// A shaft strays from what is commanded, by play and stick-slip; that shall leave less than 1 deg/s.
+constexpr double strays_deg = 4.0, share_of_measured = 0.005;
 
 /// a modulo b, not negative.
 std::int64_t modulo(std::int64_t a, std::int64_t b) {
@@ -49,8 +51,9 @@ double PulseTrain::taken_on(const TimedServo& servo, double value) const {
   const double expected =
       before_->value + rate_dps * 1e-6 * static_cast<double>(servo.mcu_time_us - before_->time_us);
   const double off = value - expected;
-  return std::abs(off) <= std::abs(rate_dps) * latest_s + coarsest_deg ? expected + share_of_step * off
-                                                                       : value;
+  const bool measured = servo.state.is_measured;
+  const double most_deg = std::abs(rate_dps) * latest_s + (measured ? strays_deg : coarsest_deg);
+  return std::abs(off) <= most_deg ? expected + (measured ? share_of_measured : share_of_step) * off : value;
 }
 
 /// Start of the pulse that a message at `time_us` reports.

@@ -31,8 +31,8 @@ struct Interval {
 /// disarmed; else it moves.
 std::vector<Interval> steady_intervals(std::span<const TimedServo> servo, HostTime origin, bool rests);
 
-/// Where the commanded speed changes, by telemetry without a gap: from the first to the last change of a
-/// ramp.
-std::vector<Interval> speed_changes(std::span<const TimedServo> servo, HostTime origin);
+/// Where the commanded speed changes, by telemetry without a longer gap: from the first to the last change of
+/// a ramp.
+std::vector<Interval> speed_changes(std::span<const TimedServo> servo, HostTime origin, double longest_gap_s);
 
 }  // namespace thermorig::fit

@@ -16,8 +16,10 @@ namespace thermorig::fit {
 /// Of a gyro whose rate decays nothing is taken.
 /// Where `witnesses` have an outlier, nothing is made of it: the scale is the gyro's alone if the command is
 /// one, and nothing is fitted if the gyro is one or nobody knows; all speeds then contradict the command.
+/// `longest_gap_s`: what came in a longer silence of telemetry is not known.
 ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                                  GyroErrors& errors, const ServoProfile& profile,
-                                 double frame_period_s = 0.125, const Witnesses& witnesses = {});
+                                 double frame_period_s = 0.125, const Witnesses& witnesses = {},
+                                 double longest_gap_s = 0.05);
 
 }  // namespace thermorig::fit
