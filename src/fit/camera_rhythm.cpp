@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "frame_gaps.h"
 #include "thermorig/core/statistics.h"
 
 namespace thermorig::fit {
@@ -49,7 +48,7 @@ std::optional<double> period_s(const std::vector<TimedFrame>& frames) {
   double period_s = median_period_s(frames, numbers(unbroken), 1);
   for (const std::size_t span : {std::min(short_span, frames.size() / 2), frames.size() / 2}) {
     if (period_s <= 0.0) return std::nullopt;
-    period_s = median_period_s(frames, numbers(find_gaps(frames, period_s, by_time_alone)), span);
+    period_s = median_period_s(frames, numbers(labels::find_gaps(frames, period_s, by_time_alone)), span);
   }
   return period_s > 0.0 ? std::optional(period_s) : std::nullopt;
 }
@@ -82,7 +81,7 @@ CameraRhythm rhythm_of_pieces(const std::vector<std::vector<TimedFrame>>& pieces
   const auto mode = rhythm.mode.value_or(labels::CameraMode::half_fresh);
   const std::vector<TimedFrame>* before = nullptr;
   for (const std::vector<TimedFrame>& piece : pieces) {
-    std::vector<labels::FrameGap> gaps = find_gaps(piece, *rhythm.period_s, mode);
+    std::vector<labels::FrameGap> gaps = labels::find_gaps(piece, *rhythm.period_s, mode);
     if (before != nullptr)
       gaps.front() = {.missing = labels::missing_in_absence(before->back().stamp.time,
                                                             piece.front().stamp.time, *rhythm.period_s),
@@ -99,7 +98,7 @@ CameraRhythm camera_rhythm(const std::vector<TimedFrame>& frames, std::span<cons
   if (pieces.size() > 1) return rhythm_of_pieces(split(frames, pieces), std::move(rhythm));
   rhythm.period_s = period_s(frames);
   const auto mode = rhythm.mode.value_or(labels::CameraMode::half_fresh);
-  if (rhythm.period_s) rhythm.gaps = find_gaps(frames, *rhythm.period_s, mode);
+  if (rhythm.period_s) rhythm.gaps = labels::find_gaps(frames, *rhythm.period_s, mode);
   return rhythm;
 }
 

@@ -9,6 +9,7 @@
 
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/labels/exposure.h"
+#include "thermorig/pipeline/labels/frame_gaps.h"
 
 namespace thermorig::fit {
 

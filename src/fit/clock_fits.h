@@ -10,7 +10,7 @@
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
-#include "thermorig/pipeline/labels/exposure.h"
+#include "thermorig/pipeline/labels/frame_gaps.h"
 #include "thermorig/pipeline/pipeline.h"
 
 namespace thermorig::fit {

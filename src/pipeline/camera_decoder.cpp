@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "camera_decoder.h"
 
-#include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace thermorig::pipeline {
 
 namespace {
-constexpr double most_frames = std::numeric_limits<std::uint16_t>::max();
 constexpr std::size_t frames_for_mode = 16;  // by then the half-frames show how the camera works
 
 double frame_period_s(const CameraProfile& profile, const Fits& fits) {
@@ -28,6 +25,7 @@ CameraDecoder::CameraDecoder(const CameraProfile& profile, const Fits& fits)
       final_times_(fits.times[Device::camera]),
       exposure_(exposure_rule(profile, fits)),
       known_gaps_(fits.gaps),
+      live_gaps_(period_s_),
       newer_half_(fits.newer_half) {}
 
 labels::FrameGap CameraDecoder::gap_before(const TimedFrame& frame, labels::HalvesWitness halves) {
@@ -35,12 +33,13 @@ labels::FrameGap CameraDecoder::gap_before(const TimedFrame& frame, labels::Halv
   ++frames_since_;
   const bool was_away = std::exchange(was_away_, false);
   if (index < known_gaps_.size()) return known_gaps_[index];
-  if (was_away && last_frame_)
-    return {.missing = labels::missing_in_absence(*last_frame_, frame.stamp.time, period_s_)};
-  const double least = halves == labels::HalvesWitness::frames_missing ? 1.0 : 0.0;
-  const double missing = std::clamp(timing_.missing() - missing_, least, most_frames);
-  missing_ = std::max(missing_, timing_.missing());
-  return {.missing = static_cast<std::uint16_t>(missing), .late = timing_.is_late()};
+  const labels::FrameGap gap = live_gaps_.push(frame, halves);
+  return was_away ? gap_of_absence(frame) : gap;
+}
+
+labels::FrameGap CameraDecoder::gap_of_absence(const TimedFrame& frame) {
+  if (!last_frame_) return {};
+  return {.missing = labels::missing_in_absence(*last_frame_, frame.stamp.time, period_s_), .late = false};
 }
 
 std::span<const TimedFrame> CameraDecoder::interrupt(std::vector<TimedFrame>& out) {
@@ -48,7 +47,7 @@ std::span<const TimedFrame> CameraDecoder::interrupt(std::vector<TimedFrame>& ou
   finish(out);
   scanner_.restart();
   timing_.restart();
-  missing_ = 0.0;
+  live_gaps_ = labels::LiveFrameGaps(period_s_);
   std::optional<labels::CameraMode> mode;
   if (frames_since_ >= frames_for_mode) mode = exposure_.mode();
   exposure_ = labels::ExposureRule(period_s_, mode, newer_half_);

@@ -11,6 +11,7 @@
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/final_times.h"
 #include "thermorig/pipeline/labels/exposure.h"
+#include "thermorig/pipeline/labels/frame_gaps.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/sensors/camera_protocol.h"
@@ -38,6 +39,7 @@ class CameraDecoder {
  private:
   std::span<const TimedFrame> take(std::vector<TimedFrame>& out);
   labels::FrameGap gap_before(const TimedFrame& frame, labels::HalvesWitness halves);
+  labels::FrameGap gap_of_absence(const TimedFrame& frame);
 
   CameraProfile profile_;
   double period_s_;
@@ -46,7 +48,7 @@ class CameraDecoder {
   FinalTimes final_times_;
   labels::ExposureRule exposure_;
   std::vector<labels::FrameGap> known_gaps_;  // of a first pass; empty while recording
-  double missing_ = 0.0;  // frames since the stream began, or the camera came back, by its clock
+  labels::LiveFrameGaps live_gaps_;
   std::optional<unsigned> newer_half_;
   std::size_t frames_since_ = 0;  // the stream began, or the camera came back
   std::optional<HostTime> last_frame_;

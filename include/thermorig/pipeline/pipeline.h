@@ -14,6 +14,7 @@
 #include "thermorig/core/sync.h"
 #include "thermorig/core/time.h"
 #include "thermorig/pipeline/labels/exposure.h"
+#include "thermorig/pipeline/labels/frame_gaps.h"
 #include "thermorig/pipeline/labels/labeller.h"
 #include "thermorig/sensors/wire/counters.h"
 #include "thermorig/sensors/wire/servo_messages.h"

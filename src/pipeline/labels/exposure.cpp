@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/pipeline/labels/exposure.h"
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace thermorig::labels {
@@ -17,12 +15,6 @@ HalvesWitness HalvesOrder::push(const Freshness& freshness, CameraMode mode) {
   if (before.both_fresh()) return HalvesWitness::unsure;
   return before.even_fresh() == freshness.even_fresh() ? HalvesWitness::due_half_missing
                                                        : HalvesWitness::none_missing;
-}
-
-std::uint16_t missing_in_absence(HostTime last, HostTime first, double period_s) {
-  constexpr double most = std::numeric_limits<std::uint16_t>::max();
-  const double periods = std::round(to_s(first - last) / period_s) - 1.0;
-  return static_cast<std::uint16_t>(std::clamp(periods, 1.0, most));
 }
 
 void ModeVote::push(const Freshness& freshness) {

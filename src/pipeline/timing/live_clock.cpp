@@ -23,7 +23,6 @@ constexpr double slow_s = 0.1;
 constexpr double by_chance = 2e-9;  // less probable than that is no chance
 constexpr double run_share = 1.0 / 32.0;
 constexpr double first_run = 4.0;  // of a device that sends fast
-constexpr std::uint32_t enough_calm = 3;
 constexpr double restless = 3.0;
 constexpr double forget_unrest = 0.7;  // a block
 constexpr double nowhere_near_s = 1e9;
@@ -83,7 +82,6 @@ std::optional<HostTime> LiveClock::place(const MessageProof& proof) {
   if (!proof.device_s) x = fitted_ ? recount(proof, x, y) : count_lost(proof, x, y);
   last_y_ = y;
   last_x_ = x;
-  late_periods_ = fitted_ ? late_s(x, y) / period_s() : 0.0;
   if (fitted_ && late_s(x, y) > outage_s) restart(x, y);
   if (!proof.reads.empty()) {
     if (rate_known_) look_for_straying(late_s(x, y), x);
@@ -126,13 +124,6 @@ double LiveClock::shift(double x, double periods) {
   return x + periods / rate_hz_;
 }
 
-/// After an outage: what queued up meanwhile comes at once, and is ahead then.
-double LiveClock::shift_for_now(double x, double periods) {
-  kept_back_ = std::max(0.0, kept_back_ + periods);
-  calm_ = 0;
-  return shift(x, periods);
-}
-
 /// Before there is a line, by the nominal rate: one through a count without them would be too steep.
 double LiveClock::count_lost(const MessageProof& proof, double x, double y) {
   const double late_periods = (y - last_y_) * rate_hz_ - 1.0;
@@ -154,10 +145,9 @@ double LiveClock::recount(const MessageProof& proof, double x, double y) {
   const double late_periods = late_s(x, y) / period_s();
   if (late_periods < -ahead_periods) {
     unrest_ += 1.0;
-    return shift_for_now(x, std::round(late_periods));
+    return shift(x, std::round(late_periods));
   }
-  if (late_s(x, y) > outage_s) return shift_for_now(x, std::round(late_periods));
-  if (++calm_ >= enough_calm) kept_back_ = 0.0;
+  if (late_s(x, y) > outage_s) return shift(x, std::round(late_periods));
   left_out_.add(proof.left_out);
   if (const double lost = left_out(proof, late_periods); lost > 0.0) return shift(x, lost);
   // Of what the skipped bytes may have been as many as its proof has room for; the watch finds the rest.

@@ -40,19 +40,6 @@ class HalvesOrder {
   Freshness before_;  // none fresh: nothing is known
 };
 
-/// What lies between a frame and the one before it. The camera numbers nothing, so two witnesses are heard:
-/// the time, and, where the bridge renews one half of a frame at a time, which halves are fresh: the other
-/// one after the frame before, the same or both after a frame that never came. A frame that repeats the one
-/// before takes the place of its own: none is missing.
-struct FrameGap {
-  std::uint16_t missing = 0;  // frames that never came
-  bool late = false;          // read more than half a period after it was due: its time is not known
-};
-
-/// Frames that an absence of the camera cost, between the last before it and the first after it: one at
-/// least, so that no run goes on over it.
-std::uint16_t missing_in_absence(HostTime last, HostTime first, double period_s);
-
 /// Decides between the camera's modes by majority of the frames seen so far. Frames that repeat the one
 /// before say nothing; a tie is half-fresh. A frame after a lost one has both halves fresh in either mode,
 /// which is why a single one decides nothing.

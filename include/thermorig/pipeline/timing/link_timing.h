@@ -71,9 +71,6 @@ class LinkTiming {
   /// LiveClock::missing().
   double missing() const { return clock_ ? clock_->missing() : 0.0; }
 
-  /// Whether the newest message came late by that clock: LiveClock::is_late().
-  bool is_late() const { return clock_ && clock_->is_late(); }
-
   /// From here on hints bring no device_s, or such of another clock.
   void forget_clock();
 

@@ -48,10 +48,8 @@ class LiveClock {
   double longest_silence_s() const { return longest_silence_s_; }
 
   /// Messages that it counts as lost so far: falls where the stream catches up after all. Of a device that
-  /// sends its own time none are counted, nor what an outage may only have kept back.
-  double missing() const { return missing_ - kept_back_; }
-  /// The newest message came half a period after it was due, or may have, if nothing was lost.
-  bool is_late() const { return kept_back_ > 0.0 || late_periods_ > 0.5; }
+  /// sends its own time none are counted.
+  double missing() const { return missing_; }
 
   /// How far the clock may drift between the messages that hold its line up, and a period where a clock that
   /// is slewed may have been taken for a lost message.
@@ -73,7 +71,6 @@ class LiveClock {
   double left_out(const MessageProof& proof, double late_periods) const;
   double recount(const MessageProof& proof, double x, double y);
   double shift(double x, double periods);
-  double shift_for_now(double x, double periods);
   bool watch(double late_s, double x);
   void watch_runs(double late_periods);
   bool is_by_chance() const;
@@ -93,11 +90,8 @@ class LiveClock {
   double window_s_ = 0.0;
   double block_s_ = 0.0;
   std::optional<HostTime> origin_;
-  double counted_ = -1.0;      // messages, lost ones included
-  double missing_ = 0.0;       // the lost ones
-  double kept_back_ = 0.0;     // of them: those that may yet come at once
-  std::uint32_t calm_ = 0;     // messages since, none of them ahead
-  double late_periods_ = 0.0;  // of the newest
+  double counted_ = -1.0;  // messages, lost ones included
+  double missing_ = 0.0;   // the lost ones
   double last_device_s_ = 0.0;
   double last_x_ = 0.0;
   double doubted_until_x_ = 0.0;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "thermorig/pipeline/labels/frame_gaps.h"
 
 #include <gtest/gtest.h>
 
@@ -7,13 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "fit/frame_gaps.h"
-#include "thermorig/pipeline/timing/link_timing.h"
-
-namespace thermorig::fit {
-
-using namespace labels;
-
+namespace thermorig::labels {
 namespace {
 
 constexpr double slow_period_s = 0.1275;  // 2 % slow
@@ -74,21 +69,12 @@ unsigned late_in_all(const std::vector<FrameGap>& gaps) {
       std::count_if(gaps.begin(), gaps.end(), [](const auto& gap) { return gap.late; }));
 }
 
-/// By the live clock, as the camera's decoder hears it.
 std::vector<FrameGap> live_gaps(const Scene& scene, double set_period_s, CameraMode mode) {
-  timing::LinkTiming clock(PortProfile{.baud = 0, .wander_ppm = 1000.0}, 1.0 / set_period_s);
+  LiveFrameGaps gaps(set_period_s);
   std::vector<FrameGap> result;
   HalvesOrder order;
-  double missing = 0.0;
-  for (const TimedFrame& frame : scene.frames) {
-    const std::uint64_t end = 10 * (result.size() + 1);
-    const HalvesWitness halves = order.push({.even = frame.fresh_even, .odd = frame.fresh_odd}, mode);
-    clock.chunk(end, frame.stamp.time);
-    clock.stamp({end - 10, end}, {.lost_before = may_be_missing(halves), .device_s = {}});
-    const double now = std::max(missing, clock.missing());
-    result.push_back({static_cast<std::uint16_t>(now - missing), clock.is_late()});
-    missing = now;
-  }
+  for (const TimedFrame& frame : scene.frames)
+    result.push_back(gaps.push(frame, order.push({.even = frame.fresh_even, .odd = frame.fresh_odd}, mode)));
   return result;
 }
 
@@ -326,4 +312,4 @@ TEST(LiveFrameGaps, LearnThePeriodOfABoardThatIsSlowerThanItsName) {
 }
 
 }  // namespace
-}  // namespace thermorig::fit
+}  // namespace thermorig::labels
