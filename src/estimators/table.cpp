@@ -36,10 +36,10 @@ const Entry& entry(std::string_view name) {
 
 std::optional<Lack> lack_of(const Entry& entry, const std::optional<model::Model>& model) {
   if (entry.needs_network && !model) return Lack{"a network", "--model FILE"};
-  if (entry.needs_fusion && !model->weights.shape.fusion)
+  if (entry.needs_fusion && (!model || !model->weights.shape.fusion))
     return Lack{"a network with fusion, and the model has none",
                 "a model that was trained with fusion, or \"cnn-thermal\""};
-  if (entry.needs_sigma && !model->scaling.gate_states_sigma)
+  if (entry.needs_sigma && (!model || !model->scaling.gate_states_sigma))
     return Lack{"a network that says how sure its images are",
                 "a model of preset best with fusion, or \"cnn-fusion\""};
   return std::nullopt;

@@ -13,7 +13,7 @@ namespace {
 
 // Either way of an instant, the narrowest first.
 constexpr std::array reaches_s{0.0055, 0.0125, 0.025, MeasuredTrack::reach_s};
-// One that sends by itself has a reading as near as that to an instant, or is silent.
+// A line holds where readings are as near as that to the instant, on either side.
 constexpr double longest_silence_s = 0.03;
 constexpr std::size_t fewest_points = 3;
 constexpr double line_chance_deviations = 0.5;
@@ -66,7 +66,7 @@ double bent2(const Line& narrow, const Line& wide) {
 
 void MeasuredTrack::add(const TimedShaft& shaft) {
   if (shaft.lost_before) ++lap_;
-  if (!std::isfinite(shaft.angle_deg)) return;
+  if (!std::isfinite(shaft.angle_deg + double{shaft.reading.uncertainty_deg})) return;
   points_.add(
       {shaft.stamp.time, shaft.angle_deg, shaft.reading.uncertainty_deg, shaft.stamp.uncertainty_s, lap_});
 }
@@ -80,10 +80,8 @@ std::optional<MeasuredTrack::At> MeasuredTrack::at(HostTime time) const {
   const Point &before = points[after - 1], &next = points[after];
   if (before.lap != next.lap) return std::nullopt;
   const bool asked = bridged_ > HostDuration::zero();
-  if (asked ? next.time - before.time > bridged_
-            : std::max(time - before.time, next.time - time) > from_s(longest_silence_s))
-    return std::nullopt;
   std::optional<At> best = asked ? between_readings(time, after) : std::nullopt;
+  if (std::max(time - before.time, next.time - time) > from_s(longest_silence_s)) return best;
   std::array<Line, reaches_s.size()> narrower;
   std::size_t count = 0;
   for (const double reach : reaches_s) {
@@ -112,9 +110,11 @@ std::optional<MeasuredTrack::At> MeasuredTrack::between_readings(HostTime time, 
   const auto points = points_.all();
   const Point &before = points[after - 1], &next = points[after];
   const auto go_on = [&](std::size_t i) {
-    return i + 1 < points.size() && points[i].lap == points[i + 1].lap && points[i].time < points[i + 1].time;
+    if (i + 1 >= points.size() || points[i].lap != points[i + 1].lap) return false;
+    const HostDuration apart = points[i + 1].time - points[i].time;
+    return apart > HostDuration::zero() && apart <= bridged_;
   };
-  if (after < 2 || !go_on(after - 2)) return std::nullopt;
+  if (after < 2 || !go_on(after - 2) || !go_on(after - 1)) return std::nullopt;
   const Estimate chord = line_through(before, next, time);
   const auto off_chord = [&](const Point& one, const Point& other) {
     const Estimate line = line_through(one, other, time);
