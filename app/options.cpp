@@ -464,10 +464,13 @@ void describe(CLI::App& root, Words& words) {
       "  thermorig ports");
 }
 
-/// What may stand after the command: its options, and commands of its own.
-std::vector<std::string> words_of(const CLI::App& command) {
+/// What may stand in place of `slip`: options of the command, or commands of its own. Where it has none, a
+/// word without dashes may be an option as well.
+std::vector<std::string> words_like(const std::string& slip, const CLI::App& command) {
   std::vector<std::string> words;
-  for (const CLI::App* one : command.get_subcommands(nullptr)) words.push_back(one->get_name());
+  if (!slip.starts_with('-'))
+    for (const CLI::App* one : command.get_subcommands(nullptr)) words.push_back(one->get_name());
+  if (!words.empty()) return words;
   for (const CLI::Option* option : command.get_options())
     for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
   return words;
@@ -505,7 +508,7 @@ std::string what_to_read(const CLI::App& root) {
   const std::string slip = left.front().substr(0, left.front().find('='));
   for (const auto& [owner, name, instead] : options_that_are_gone)
     if (command->get_name() == owner && slip == name) return std::string(instead);
-  const auto meant = nearest_name(left.front(), words_of(*command));
+  const auto meant = nearest_name(slip, words_like(slip, *command));
   return (meant ? "did you mean " + *meant + "? " : "") + help;
 }
 
@@ -515,6 +518,11 @@ std::string unexpected_text(const CLI::App& root) {
   const CLI::App& command = innermost(root);
   return named_commands(command).empty() ? "\"" + word + "\" was not expected"
                                          : "there is no command \"" + word + "\"";
+}
+
+/// `what` is CLI11's text.
+std::string missing_text(const CLI::App& root, const std::string& what) {
+  return named_commands(innermost(root)).empty() ? what : "a command is missing";
 }
 
 /// "--speeds = 30deg" of CLI11's "Could not convert: --speeds = 30deg".
@@ -541,7 +549,12 @@ std::optional<CommandLine> texts_of_commands(const CLI::App& root, const std::ve
 void take_help_as_option(CLI::App& root, std::vector<std::string>& words) {
   if (words.empty() || words.front() != "help") return;
   words.erase(words.begin());
-  if (words.empty() || command_in(root, words) != nullptr) words.push_back("--help");
+  CLI::App* command = &root;
+  for (const std::string& word : words) {
+    if (named_commands(*command).empty()) break;
+    if (command = command_in(*command, {word}); command == nullptr) return;
+  }
+  words.push_back("--help");
 }
 
 /// "--plan is given 2 times" of CLI11's "--plan: At Most 1 required but received 2".
@@ -587,7 +600,8 @@ CommandLine parse(int argc, const char* const* argv) {
     return {std::nullopt, help_text(root.help(), terminal_width())};
   } catch (const CLI::RequiredError& error) {
     // A word that is left is mostly a slip of the pen, in the one that is missing.
-    throw Error(ExitCode::bad_usage, root.remaining(true).empty() ? error.what() : unexpected_text(root), "",
+    throw Error(ExitCode::bad_usage,
+                root.remaining(true).empty() ? missing_text(root, error.what()) : unexpected_text(root), "",
                 what_to_read(root));
   } catch (const CLI::ExtrasError&) {
     throw Error(ExitCode::bad_usage, unexpected_text(root), "", what_to_read(root));

@@ -54,8 +54,8 @@ std::vector<std::string> labelled_by_gyro(const dataset::Acquisitions& data) {
 void tell_labels(const std::vector<std::string>& files) {
   if (files.empty()) return;
   print(
-      "labels from the gyro (no servo), with which estimators that use the gyro are\n"
-      "compared with themselves; only those of images alone show how good they are:{}\n",
+      "labels from the gyro (no servo): gyro estimators are compared with themselves;\n"
+      "trust those of images alone:{}\n",
       some_of(files));
 }
 

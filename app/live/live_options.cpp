@@ -186,7 +186,7 @@ void add_live(CLI::App& root, LiveCommandLine& words) {
                     "Windows to average: 8 (all symmetries, default, where the model has learnt them), or 1")
         ->check(CLI::IsMember({1, 8}))
         ->type_name("N");
-    command.add_option("--precision", live.precision, "Weight precision: fp32, or fp16 (half the memory)")
+    command.add_option("--precision", live.precision, "Weight precision: fp32, or fp16 for half the memory")
         ->check(one_of({"fp32", "fp16"}))
         ->type_name("KIND")
         ->capture_default_str();

@@ -67,7 +67,8 @@ class TerminalSetup : public rig::SetupWorld {
     for (const std::string& port : ports_)
       if (std::filesystem::exists(port)) there.push_back(port);
     if (there.empty() && !ports_.empty())
-      throw Error(ExitCode::device_missing, "none of these ports exists", ports_.front(),
+      throw Error(ExitCode::device_missing, "none of these ports exists",
+                  fmt::format("{}", fmt::join(ports_, ", ")),
                   "plug the devices in; `thermorig ports` lists the ports");
     const std::vector<io::PortInfo> ports = ports_to_hear(there);
     if (ports.empty())

@@ -8,7 +8,7 @@ namespace thermorig::app {
 
 void add_list(CLI::App& root, ListOptions& options) {
   CLI::App& command = *root.add_subcommand("list", "List sessions");
-  command.add_option("FOLDER", options.paths, "Folders to search, or session files (.h5)")
+  command.add_option("FOLDER", options.paths, "Session files (.h5), or folders to search")
       ->default_str("recordings");
   command.add_option("-e,--environment", options.environments, "Only this environment; may be repeated")
       ->type_name("NAME");

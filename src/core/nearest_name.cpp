@@ -10,8 +10,15 @@ namespace thermorig {
 
 namespace {
 
+/// "nf" of "--nf": the dashes of two options would make them alike.
+std::string_view without_dashes(std::string_view name) {
+  return name.substr(std::min(name.find_first_not_of('-'), name.size()));
+}
+
 /// Characters to insert, remove or replace, and neighbours to swap (optimal string alignment).
 std::size_t edits_between(std::string_view from, std::string_view to) {
+  from = without_dashes(from);
+  to = without_dashes(to);
   std::vector<std::size_t> row(to.size() + 1), last, before_last;
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < from.size(); ++i) {
@@ -29,7 +36,8 @@ std::size_t edits_between(std::string_view from, std::string_view to) {
 constexpr std::size_t longest_compared = 64;
 
 bool is_near(std::string_view unknown, const std::string& name) {
-  return 2 * edits_between(unknown, name) <= name.size();
+  return without_dashes(unknown).size() > 1 &&
+         2 * edits_between(unknown, name) <= without_dashes(name).size();
 }
 
 }  // namespace

@@ -99,7 +99,8 @@ std::optional<Evidence> recognise_bus_servo(wire::Bytes bytes, const std::string
   evidence.settings["bus_id"] = heard.last_id;
   for (const wire::ServoMessage& message : messages)
     if (const auto* welcome = std::get_if<wire::ServoWelcome>(&message.body))
-      evidence.text = fmt::format("servo found (firmware {}, ID {})", welcome->firmware, welcome->board);
+      evidence.text =
+          fmt::format("answers of a servo (firmware {}, ID {})", welcome->firmware, welcome->board);
   return evidence;
 }
 

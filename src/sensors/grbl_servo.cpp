@@ -233,7 +233,7 @@ std::optional<Evidence> recognise_grbl(Bytes bytes) {
                     .text_format = {}};
   for (const wire::ServoMessage& message : messages)
     if (const auto* welcome = std::get_if<wire::ServoWelcome>(&message.body))
-      evidence.text = fmt::format("servo board found (firmware {})", welcome->firmware);
+      evidence.text = fmt::format("answers of a servo board (firmware {})", welcome->firmware);
   return evidence;
 }
 

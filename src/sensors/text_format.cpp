@@ -517,7 +517,7 @@ class Recogniser {
     say(words.empty()
             ? "their unit is not given"
             : fmt::format(
-                  "\"{}\" does not name their unit clearly: it has a factor, or is the unit of an angle",
+                  "\"{}\" does not name their unit clearly: it may have a factor, or be the unit of an angle",
                   words));
   }
 
@@ -525,7 +525,7 @@ class Recogniser {
     std::string others;
     for (const TextTable& table : page_.tables)
       if (&table != table_ && is_enough(table) && count_of(named_rates(table)) > 0)
-        others += fmt::format("{}\"{}\"", others.empty() ? "" : ", ", longest_prefix(table));
+        others += fmt::format("{}\"{}\"", others.empty() ? "" : " or ", longest_prefix(table));
     say("no line has every axis: lines of the other axes are not read" +
         (others.empty() ? "" : "; to read others instead, set prefix = " + others));
   }

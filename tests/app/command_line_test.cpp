@@ -146,7 +146,13 @@ TEST_F(CommandLine, NamesTheWordThatItDoesNotKnow) {
             "thermorig: there is no command \"recrod\"\n  try: did you mean record? thermorig --help\n");
   EXPECT_THAT(run("dataset biuld").err, HasSubstr("try: did you mean build? thermorig dataset --help"));
   EXPECT_THAT(run("dataset verify . --jsn").err, HasSubstr("did you mean --json? thermorig dataset verify"));
-  EXPECT_THAT(run("photograph").err, HasSubstr("try: thermorig --help"));
+  EXPECT_THAT(run("help dataset biuld").err, HasSubstr("try: did you mean build? thermorig dataset --help"));
+  EXPECT_THAT(run("help dataset build").out, HasSubstr("thermorig dataset build"));
+  EXPECT_EQ(run("dataset").err, "thermorig: a command is missing\n  try: thermorig dataset --help\n");
+  for (const char* words : {"photograph", "halp", "help help"})
+    EXPECT_THAT(run(words).err, HasSubstr("try: thermorig --help")) << words;
+  EXPECT_THAT(run("train --x").err, HasSubstr("try: thermorig train --help"));
+  EXPECT_THAT(run("list --a").err, HasSubstr("try: thermorig list --help"));
 }
 
 TEST_F(CommandLine, NamesTheValueThatIsNearest) {

@@ -27,9 +27,10 @@ TEST_F(SetupCommand, RefusesStepsThatItCannotBeginWith) {
   const Outcome missing = run("setup --yes --from turns --save ./rig.toml /dev/null");
   EXPECT_EQ(missing.code, 2) << missing.err;
   EXPECT_THAT(missing.err, HasSubstr("there is no such profile"));
-  const Outcome unplugged = run("setup --yes --save ./rig.toml /dev/no-such-port");
+  const Outcome unplugged = run("setup --yes --save ./rig.toml /dev/no-such-port /dev/nor-this");
   EXPECT_EQ(unplugged.code, 4) << unplugged.err;
   EXPECT_THAT(unplugged.err, HasSubstr("none of these ports exists"));
+  EXPECT_THAT(unplugged.err, HasSubstr("/dev/no-such-port, /dev/nor-this"));
 }
 
 /// Nobody else knows which rig was simulated, and its ports are gone: it is set up from the first step.

@@ -970,7 +970,7 @@ describe('whatever comes', () => {
     await shown(tab, 6);
     assert.match(await tab.getAttribute('#image', 'aria-label'), /Thermal image, 20\.0 to 27\.0 °C/);
     assert.match(await textOf(tab, '#cold'), /^20\.1/);
-    assert.equal(await textOf(tab, '#fresh'), 'both halves fresh');
+    assert.equal(await textOf(tab, '#fresh'), 'all pixels new');
     assert.equal((await imagePixels(tab)).at(-1), 0, 'what has no value has no colour');
   });
 

@@ -127,7 +127,7 @@ const Unflashable unflashable[] = {
     {"AnotherSpeed", 9600, BootFault::none, ExitCode::failed, "answers, but not as a boot loader",
      "Nothing was written"},
     {"APlugPulledWhileFlashing", 115200, BootFault::stops_answering, ExitCode::failed,
-     "its program is incomplete", "its boot loader still works"}};
+     "its program is incomplete", "its boot loader is still there"}};
 
 class FlashFails : public Flash, public ::testing::WithParamInterface<Unflashable> {};
 

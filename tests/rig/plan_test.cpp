@@ -138,6 +138,7 @@ TEST(SweepPlan, FileMistakesAreNamedWithTheirLine) {
   EXPECT_THAT(parse("magnitudes_dps = []\n"), HasSubstr("no speeds"));
   EXPECT_THAT(parse("name = \"x\"\n"), HasSubstr("no speeds"));
   EXPECT_THAT(parse("min_dps = 10\nmax_dps = 20\n"), HasSubstr("incomplete"));
+  EXPECT_THAT(parse("min_dps = 20\nmax_dps = 10\nstep_dps = 1\n"), HasSubstr("it is below min_dps"));
   EXPECT_THAT(parse("magnitudes_dps = [40]\nmin_dps = 10\nmax_dps = 20\nstep_dps = 1\n"), HasSubstr("twice"));
   EXPECT_THAT(parse("leg_rates_dps = [40, 0]\n"), HasSubstr("speed 0"));
   EXPECT_THAT(parse("magnitudes_dps = [40]\n\norder = \"sideways\"\n"), HasSubstr("mine.toml:3"));

@@ -125,7 +125,7 @@ TEST(EmptyJournal, IsSaidAndRemoved) {
     const auto results = rig::recover(output_folder, disk);
     ASSERT_EQ(results.size(), 1U);
     EXPECT_EQ(results[0].kind, RecoveryKind::empty);
-    EXPECT_THAT(results[0].message, HasSubstr("nothing had been recorded"));
+    EXPECT_THAT(results[0].message, HasSubstr("its program ended before it recorded"));
     EXPECT_EQ(journal_on(disk), "");
     EXPECT_TRUE(rig::recover(output_folder, disk).empty());
   }

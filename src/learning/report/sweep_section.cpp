@@ -158,7 +158,7 @@ json paper_medians(const Sweep& sweep, bool fusion) {
     const auto row = paper_row(setting.frames, setting.reduction);
     values.push_back(row ? json(fusion ? row->median_fusion : row->median_thermal) : json(nullptr));
   }
-  return {{"name", fmt::format("paper, real data: {}", fusion ? "fusion" : "thermal-only")},
+  return {{"name", fmt::format("paper, real data: {} (median)", fusion ? "fusion" : "thermal-only")},
           {"key", estimator_of(fusion)},
           {"values", values}};
 }

@@ -25,8 +25,8 @@ std::string_view rate_advice(Device device, bool slow) {
     return "the camera does not send at the profile's rate: set the rate that it has (--camera-rate, or "
            "output_rate_hz in the rig profile); a link that is too slow loses frames, too";
   if (device == Device::gyro)
-    return slow ? "set output_rate_hz in the rig profile to the gyro's rate, or change the gyro's; 9600 baud "
-                  "carry at most 87 samples a second"
+    return slow ? "set output_rate_hz in the rig profile to the gyro's rate, or change the gyro's rate; 9600 "
+                  "baud carries at most 87 samples a second"
                 : "set output_rate_hz in the rig profile to the gyro's rate";
   return "reflash the servo board with this program's firmware (firmware_servo); end programs that keep this "
          "computer busy";
@@ -64,12 +64,13 @@ void judge_stream(Device device, const PreflightStream& stream, const PreflightL
                   Violations& found) {
   const std::string name(name_of(device));
   if (stream.damaged_share > limits.damaged_share)
-    found.push_back({name + "_damaged", device,
-                     fmt::format("{:.1f} % of the {}'s bytes are in no valid message",
-                                 100.0 * stream.damaged_share, name),
-                     fmt::format("at most {:.1f} %", 100.0 * limits.damaged_share),
-                     "a shorter cable; check the baud rate (thermorig ports), and that no other program "
-                     "reads this port"});
+    found.push_back(
+        {name + "_damaged", device,
+         fmt::format("{:.1f} % of the {}'s bytes are in no valid message", 100.0 * stream.damaged_share,
+                     name),
+         fmt::format("at most {:.1f} %", 100.0 * limits.damaged_share),
+         "another or a shorter cable; check the baud rate (thermorig ports), and that no other program "
+         "reads this port"});
   if (stream.uncertainty_s > limits.uncertainty_s[device])
     found.push_back({name + "_clock", device,
                      fmt::format("the times of the {}'s {} are known to {:.1f} ms only", name,
@@ -246,7 +247,7 @@ void judge_answers(const PreflightAnswers& answers, const ServoProfile& servo, c
     found.push_back({"servo_answers", Device::servo,
                      fmt::format("the servo answered {} of {} requests", answers.answered, answers.requests),
                      fmt::format("at least {:.0f} %", 100.0 * limits.answered_share),
-                     "a shorter cable; check the supply of the servo's board"});
+                     "another or a shorter cable; check the supply of the servo's board"});
   if (answers.round_trip_s > limits.round_trip_s)
     found.push_back({"servo_round_trip", Device::servo,
                      fmt::format("the servo's answers take {:.0f} ms", 1e3 * answers.round_trip_s),

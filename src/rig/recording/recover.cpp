@@ -49,7 +49,7 @@ RecoveryResult describe(RecoveryKind kind, const std::filesystem::path& source,
 bool is_there(const std::filesystem::path& path, files::Disk& disk) {
   const auto there = disk.look(path);
   if (!there.good())
-    throw Error(ExitCode::storage, std::string("cannot be read: ") + std::strerror(there.error_number),
+    throw Error(ExitCode::storage, std::string("cannot be accessed: ") + std::strerror(there.error_number),
                 path.string(), "check its permissions and the disk (dmesg)");
   return there.value != files::FileKind::missing;
 }

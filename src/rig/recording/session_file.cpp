@@ -62,7 +62,7 @@ FolderLock::~FolderLock() = default;
 void FolderLock::make_folders() {
   for (auto folder = folder_; !folder.empty(); folder = folder.parent_path()) {
     const auto there = disk_.look(folder);
-    if (!there.good()) refuse_folder(folder, "the output folder cannot be read", there.error_number);
+    if (!there.good()) refuse_folder(folder, "the output folder cannot be accessed", there.error_number);
     if (there.value != files::FileKind::missing) break;
     made_folders_.push_back(folder);
   }

@@ -210,7 +210,7 @@ std::string signature_of(const FlashRun& run) {
 }
 
 /// Of a board that was written to in part its boot loader is still there: it cannot overwrite itself.
-constexpr const char* flash_again = "its boot loader still works: plug it in again and repeat this";
+constexpr const char* flash_again = "its boot loader is still there: plug it in again and repeat this";
 
 /// Why the board was not flashed, in so far as the other speed cannot help. Nothing: its boot loader was not
 /// heard.

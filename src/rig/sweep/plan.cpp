@@ -165,9 +165,9 @@ Speeds read_speeds(TomlTable& file) {
   const bool spaced = min || max || step;
   if (int{legs.has_value()} + int{magnitudes.has_value()} + int{spaced} > 1)
     file.refuse(legs ? "leg_rates_dps" : "magnitudes_dps", "speeds are given twice", "one of: " + allowed);
-  if (spaced && (!min || !max || !step || *min > *max))
-    file.refuse("min_dps", "the range of speeds is incomplete",
-                "min_dps, max_dps (not below it) and step_dps");
+  if (spaced && (!min || !max || !step))
+    file.refuse("min_dps", "the range of speeds is incomplete", "min_dps, max_dps and step_dps");
+  if (spaced && *min > *max) file.refuse("max_dps", "it is below min_dps", "min_dps is the lowest speed");
   if (legs && std::count(legs->begin(), legs->end(), 0.0) > 0)
     file.refuse("leg_rates_dps", "a leg with speed 0", "rests are opening_rest_s and closing_rest_s");
   return {legs.value_or(std::vector<double>{}),

@@ -40,7 +40,7 @@ class SourceFile {
       : path_(path), disk_(disk), file_(disk, open(path, disk)) {
     const auto size = disk.size(file_.get());
     if (size.error_number == EINVAL) refuse(path, "is not a regular file");
-    if (!size.good()) refuse_call(path, "cannot be read", size.error_number);
+    if (!size.good()) refuse_call(path, "cannot be accessed", size.error_number);
     size_ = size.value;
   }
 

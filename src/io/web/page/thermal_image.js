@@ -8,7 +8,7 @@ const width = 32;
 const height = 24;
 const describedEvery = 10_000;  // ms between texts for those who do not see the image
 
-const freshTexts = { both: 'both halves fresh', half: 'half fresh', repeated: '▲ repeated' };
+const freshTexts = { both: 'all pixels new', half: 'half of the pixels new', repeated: '▲ repeated' };
 
 export class ThermalImage {
   constructor() {
