@@ -247,10 +247,12 @@ Fits fit_recording(const RawRecording& raw, Streams streams, const RunAll& run_a
   sync.witnesses = compare_witnesses(streams.servo, streams.gyro, sync.gyro, profile,
                                      images_share(streams.frames, streams.servo, profile.camera));
   name_setting(servo_protocol, streams, sync.witnesses);
+  // A stepper has no loop, and says ten times a second where it is: a loop that is fitted to that has the
+  // ends of its range, and takes frames of short legs for ramps.
+  const double longest_gap_s = servo_protocol.counts_steps ? 0.0 : servo_protocol.longest_gap_s;
   const auto fit_servo = [&] {
     return fit_servo_response(streams.servo, streams.gyro, sync.gyro, profile.servo,
-                              1.0 / profile.camera.output_rate_hz, sync.witnesses,
-                              servo_protocol.longest_gap_s);
+                              1.0 / profile.camera.output_rate_hz, sync.witnesses, longest_gap_s);
   };
   sync.servo = fit_servo();  // with it how the bias went, on which rests what images say
   const motion::TurnResult turns = turns_of(streams, profile, sync, run_all);

@@ -7,7 +7,6 @@
 #include "thermorig/fit/motion/panorama_fit.h"
 #include "thermorig/fit/shaft/servo_response.h"
 #include "thermorig/rig/calibration/calibration.h"
-#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::calibration {
 
@@ -47,10 +46,8 @@ std::optional<Estimate> servo_scale(const session::Session& session, GyroErrors 
                                     const Estimate& gyro_scale) {
   errors.scale = gyro_scale;
   errors.scale_calibrated = true;
-  const ServoProfile& servo = session.raw.header.profile.servo;
-  const ServoResponse response = fit::fit_servo_response(
-      session.servo, session.gyro, errors, servo, 1.0 / session.raw.header.profile.camera.output_rate_hz, {},
-      sensors::servo_protocol(servo.protocol).longest_gap_s);
+  const ServoResponse response =
+      fit::fit_servo_response(session.servo, session.gyro, errors, session.raw.header.profile.servo);
   if (!response.fitted || !response.scale_calibrated) return std::nullopt;
   const double elsewhere = potentiometer_linearity * (1.0 - driven_share(session));
   return Estimate{response.scale.value, std::hypot(response.scale.uncertainty, elsewhere)};
