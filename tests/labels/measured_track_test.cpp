@@ -131,6 +131,7 @@ TEST(MeasuredTrack, AcrossASilenceInWhichTheShaftStopsOrStartsItStatesHowFarItIs
           const auto found = track.angle_deg(instant(t));
           ASSERT_TRUE(found);
           const double error = (found->value - angle(t)) / found->uncertainty;
+          EXPECT_LT(std::abs(error), 5.0) << going << ", " << turns_s << ", " << behind << ", " << t;
           sum += error * error;
           count += 1.0;
         }
@@ -138,6 +139,25 @@ TEST(MeasuredTrack, AcrossASilenceInWhichTheShaftStopsOrStartsItStatesHowFarItIs
       EXPECT_LT(std::sqrt(sum / count), 1.5) << going << ", " << behind;
       EXPECT_GT(std::sqrt(sum / count), 0.6) << going << ", " << behind;
     }
+}
+
+TEST(MeasuredTrack, ReadingsOfOneInstantOrOfNoKnownWorthLeaveFiniteAngles) {
+  const MeasuredShaft shaft = asked([](double t) { return 100.0 * t; });
+  MeasuredTrack track = shaft.track(1, 0.36);
+  for (const double t : {0.36, 0.45, 0.45, 0.47}) {
+    TimedShaft reading;
+    reading.stamp.time = instant(t);
+    reading.angle_deg = 100.0 * t;
+    reading.reading.uncertainty_deg = t > 0.46 ? std::nanf("") : noise_deg;
+    track.add(reading);
+  }
+  for (const double t : {0.34, 0.38, 0.44}) {
+    const auto found = track.angle_deg(instant(t));
+    if (!found) continue;
+    EXPECT_TRUE(std::isfinite(found->value) && std::isfinite(found->uncertainty)) << t;
+    EXPECT_NEAR(found->value, 100.0 * t, 1.0) << t;
+  }
+  EXPECT_TRUE(track.angle_deg(instant(0.34)));
 }
 
 TEST(MeasuredTrack, ASensorThatIsNotAskedLeavesNothingInASilence) {
