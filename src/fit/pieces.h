@@ -8,12 +8,27 @@
 
 #include "thermorig/core/device.h"
 #include "thermorig/core/raw_recording.h"
+#include "thermorig/core/replay.h"
 
 namespace thermorig::fit {
 
 /// Where the stream of the device is broken: the offset of the first byte after each of its interruptions
 /// that has bytes before and after it. Ascending, the first 255.
-std::vector<std::uint64_t> break_offsets(const RawRecording& raw, Device device);
+inline std::vector<std::uint64_t> break_offsets(const RawRecording& raw, Device device) {
+  constexpr std::size_t most_breaks = 255;  // a file may claim any number, and each piece costs a walk
+  const RawStream& stream = raw.received[device];
+  std::vector<std::uint64_t> offsets;
+  std::size_t chunk = 0;
+  for (const Interruption& interruption : interruptions(raw)) {
+    if (interruption.device != device) continue;
+    while (chunk < stream.chunk_count() && stream.time(chunk) <= interruption.time) ++chunk;
+    if (chunk == 0 || chunk == stream.chunk_count()) continue;
+    const std::uint64_t offset = stream.chunk_end[chunk - 1];
+    if (offsets.size() == most_breaks) break;
+    if (offsets.empty() || offsets.back() < offset) offsets.push_back(offset);
+  }
+  return offsets;
+}
 
 /// Indices of the first message of each piece, 0 first; empty without messages. No message spans a break.
 template <typename Messages>

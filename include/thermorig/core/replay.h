@@ -22,7 +22,7 @@ struct Interruption {
 /// An event that says that a device went (`device_lost` or `missing`, with its source).
 bool is_interruption(const RecordingEvent& event);
 
-/// All of a recording, in order of time: what its events tell.
+/// All of a recording, by its events, in order of time.
 std::vector<Interruption> interruptions(const RawRecording& raw);
 
 /// Bytes that came in one read(), or that went to a device in one write(); or a device that went away.

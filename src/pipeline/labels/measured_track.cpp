@@ -25,7 +25,6 @@ struct Line {
   double angle_deg = 0.0;
   double own2 = 0.0;     // variance by the noise of the readings
   double strays2 = 0.0;  // by what readings stray beyond their noise, the shaft strays from a line
-  double variance() const { return own2 + strays2; }
 };
 
 template <typename Points>
@@ -95,7 +94,7 @@ std::optional<MeasuredTrack::At> MeasuredTrack::at(HostTime time) const {
     if (!line) continue;
     double bend2 = 0.0;
     for (std::size_t i = 0; i < count; ++i) bend2 = std::max(bend2, bent2(narrower[i], *line));
-    const double uncertainty_deg = std::sqrt(line->variance() + bend2);
+    const double uncertainty_deg = std::sqrt(line->own2 + line->strays2 + bend2);
     if (!best || uncertainty_deg < best->angle_deg.uncertainty)
       best = At{{line->angle_deg, uncertainty_deg}, next.lap, next.time_uncertainty_s};
     narrower[count++] = *line;

@@ -33,7 +33,7 @@ class CommandTrack {
   /// is none. Messages older than `length` are forgotten.
   CommandTrack(const PulseScale& scale, HostDuration gap, HostDuration length);
 
-  /// `pulses`: those that the message tells of (PulseTrain).
+  /// `pulses`: those of the message (PulseTrain).
   void add(const TimedServo& servo, std::span<const Pulse> pulses);
 
   /// True if telemetry at or after `time` has come.

@@ -50,7 +50,7 @@ class ShaftTrack {
   /// `gap`: see PulseTrain. Older than `length` is forgotten.
   ShaftTrack(const ServoProfile& servo, const ServoResponse& response, HostDuration gap, HostDuration length);
 
-  /// Returns the pulses that the message tells of, until the next call.
+  /// Returns the pulses of the message, until the next call.
   std::span<const Pulse> add(const TimedServo& servo);
 
   /// True if the shaft is known up to `time`.

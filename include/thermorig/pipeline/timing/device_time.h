@@ -16,7 +16,7 @@ namespace thermorig::timing {
 /// Unwraps the servo's 32-bit microseconds, which start again after 71.6 minutes as its clock says, to 64
 /// bits.
 ///
-/// The host's clock tells how many times they wrapped since the telemetry before, and whether the
+/// The host's clock says how many times they wrapped since the telemetry before, and whether the
 /// micro-controller was reset: where no number of wraps explains the host time that passed to within
 /// `tolerance_s` plus what the clock may be off by, a new epoch begins with the value as it was sent. So a
 /// step back in unwrapped time is always a reset. After an absence, during which it may have been reset
